@@ -1,7 +1,5 @@
 #include "player/write_picture.h"
 
-#include <algorithm>
-#include <cctype>
 #include <cstdint>
 #include <string>
 
@@ -15,12 +13,6 @@ namespace splatlas {
 namespace {
 
 using Bytes = std::vector<std::byte>;
-
-std::string lower_ending(const std::filesystem::path& path) {
-  std::string ending = path.extension().string();
-  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  return ending;
-}
 
 /// A file with one channel.
 Result<Bytes> encode_exr(const PictureSize& size, PixelType type, const void* pixels) {

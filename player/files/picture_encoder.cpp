@@ -21,9 +21,7 @@ namespace {
 
 /// The file extension in lower case and in one spelling per format; empty if it is unknown.
 std::string known_ending(const std::filesystem::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
+  std::string ending = lower_ending(path);
   if (ending == ".jpeg") ending = ".jpg";
   if (ending == ".tiff") ending = ".tif";
   for (const char* known : {".png", ".jpg", ".tif", ".exr", ".svg", ".pdf"}) {
@@ -104,6 +102,12 @@ Result<Bytes> encode_pdf(void* function, const Picture& picture, std::optional<R
 }
 
 }  // namespace
+
+std::string lower_ending(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  return ending;
+}
 
 Result<Bytes> encode_pixels(void* function, const PixelsToEncode& pixels) {
   Bytes bytes;

@@ -13,8 +13,7 @@ namespace splatlas {
 /// hold them: 3D Slicer and FreeSurfer have "_" for blanks.
 [[nodiscard]] Result<std::string> names_text(const StructureGraph& graph, NamesFormat format);
 
-/// What a names file of this dialect cannot hold of the structures: "colours"; "" for
-/// none.
+/// Properties of the structures that a names file of this dialect loses, as words: "colours"; "" for none.
 [[nodiscard]] std::string losses_of(const StructureGraph& graph, NamesFormat format);
 
 /// The hierarchy as a tree file (kTreeFormat), with colours: a line for each path of each structure.

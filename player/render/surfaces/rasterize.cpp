@@ -86,14 +86,7 @@ bool Rasterizer::draw_centers(const RasterScene& scene, const RasterOptions& opt
   pool.for_each(centers_.size(), [&](std::size_t n) {
     std::unique_ptr<TileRasterizer> worker = take_worker();
     worker->begin(scene, bins_.box(n));
-    if (draw_tile(n, *worker, count)) {
-      if (painted != nullptr) {
-        worker->paint(options.termination_threshold, *painted, seen_);
-      } else {
-        worker->finish(options.termination_threshold, centers_[n], seen_);
-        count.add(centers_[n].fragments.size());
-      }
-    }
+    draw_and_finish(n, *worker, options, painted, seen_, centers_[n], count);
     give_back(std::move(worker));
   });
   return !count.too_many;
@@ -109,14 +102,7 @@ bool Rasterizer::draw_edges(const RasterScene& scene, const RasterOptions& optio
     std::unique_ptr<TileRasterizer> worker = take_worker();
     worker->begin_edges(scene, bins_.box(n), is_edge_, pattern_);
     count.add(painted != nullptr ? 0 : worker->slots());
-    if (draw_tile(n, *worker, count)) {
-      if (painted != nullptr) {
-        worker->paint(options.termination_threshold, *painted, {});
-      } else {
-        worker->finish(options.termination_threshold, edges_[n], {});
-        count.add(edges_[n].fragments.size());
-      }
-    }
+    draw_and_finish(n, *worker, options, painted, {}, edges_[n], count);
     give_back(std::move(worker));
   });
   return !count.too_many;
@@ -130,6 +116,18 @@ bool Rasterizer::draw_tile(std::size_t tile, TileRasterizer& worker, Count& coun
     worker.draw(of);
   }
   return !count.too_many;
+}
+
+void Rasterizer::draw_and_finish(std::size_t tile, TileRasterizer& worker, const RasterOptions& options,
+                                 const PaintedPicture* painted, std::span<SurfacesSeen> seen,
+                                 TileFragments& out, Count& count) const {
+  if (!draw_tile(tile, worker, count)) return;
+  if (painted != nullptr) {
+    worker.paint(options.termination_threshold, *painted, seen);
+    return;
+  }
+  worker.finish(options.termination_threshold, out, seen);
+  count.add(out.fragments.size());
 }
 
 std::unique_ptr<TileRasterizer> Rasterizer::take_worker() {

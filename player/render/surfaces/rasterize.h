@@ -1,4 +1,4 @@
-// Rasteriser of translucent surfaces into an A-buffer.
+// Rasteriser of surfaces into an A-buffer, or into a picture.
 #pragma once
 
 #include <limits>
@@ -60,6 +60,10 @@ class Rasterizer {
   bool draw_edges(const RasterScene& scene, const RasterOptions& options, const PaintedPicture* painted,
                   Count& count, ThreadPool& pool);
   bool draw_tile(std::size_t tile, TileRasterizer& worker, Count& count) const;
+  /// Draws a tile that `worker` has begun, and paints it or keeps its fragments in `out`.
+  void draw_and_finish(std::size_t tile, TileRasterizer& worker, const RasterOptions& options,
+                       const PaintedPicture* painted, std::span<SurfacesSeen> seen, TileFragments& out,
+                       Count& count) const;
   /// Calls visit(pixel, place, fragments) for the samples of a row of tiles, in order of pixels.
   template <typename Visit>
   void for_each_sample(std::size_t tile_row, const RasterScene& scene, const Visit& visit) const;

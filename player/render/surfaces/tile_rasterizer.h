@@ -69,8 +69,7 @@ class TileRasterizer {
     std::uint64_t order = 0;  ///< sort key: depth bin, then back faces before front faces
     std::uint32_t slot = 0;
     float depth = 0;
-    std::uint32_t surface = kNone;
-    std::uint32_t triangle = 0;
+    std::uint32_t surface = 0, triangle = 0;
     std::array<float, 2> weights{};  ///< of the second and third corner
   };
   /// A vertex of the current cluster.
@@ -134,7 +133,7 @@ class TileRasterizer {
   PixelBox tile_;
   std::span<const SubPixel> pattern_;
   std::vector<std::uint32_t> slot_of_pixel_;  // first slot; empty if every pixel has one slot
-  std::vector<Crossing> nearest_;             // opaque, by slot; kNone: none
+  std::vector<Crossing> nearest_;             // opaque, by slot, where hiding_ is finite
   std::vector<float> hiding_;        // depth behind which it hides everything, by slot; infinite: none
   std::vector<float> pixel_hiding_;  // furthest of the slots of each pixel; empty if that is hiding_
   std::array<float, std::size_t{kBlocks} * kBlocks> block_hiding_{};  // furthest of the pixels of each block

@@ -62,21 +62,12 @@ float Lighting::diffuse(const std::array<float, 3>& normal_lps) const {
 
 void Lighting::on_surfaces(std::size_t count, const std::array<const float*, 3>& normals_lps, float* diffuse,
                            float* highlight) const {
-  const auto [x, y, z] = normals_lps;
-  const auto [light_x, light_y, light_z] = to_light_;
-  const auto [half_x, half_y, half_z] = half_;
-  const float without_normal = dot(to_viewer_, to_light_);
+  const Lighting lighting = *this;  // a copy: the results cannot alias it
   for (std::size_t n = 0; n < count; ++n) {
-    const float length_squared = x[n] * x[n] + y[n] * y[n] + z[n] * z[n];
-    const bool has_length = length_squared > 0;
-    const float per_length = 1 / std::sqrt(has_length ? length_squared : 1);
-    const float to_light = (x[n] * light_x + y[n] * light_y + z[n] * light_z) * per_length;
-    const float to_half = (x[n] * half_x + y[n] * half_y + z[n] * half_z) * per_length;
-    const float facing = has_length ? to_light : without_normal;
-    float sharp = has_length && to_half > 0 ? to_half : 0;
-    for (int squaring = 0; squaring < kHighlightSquarings; ++squaring) sharp *= sharp;
-    diffuse[n] = kAmbient + (1.0f - kAmbient) * std::min(facing > 0 ? facing : 0.0f, 1.0f);
-    highlight[n] = kHighlight * sharp;
+    const SurfaceShading shading =
+        lighting.on_surface({normals_lps[0][n], normals_lps[1][n], normals_lps[2][n]});
+    diffuse[n] = shading.diffuse;
+    highlight[n] = shading.highlight;
   }
 }
 

@@ -31,13 +31,17 @@ class Lighting {
   /// Lighting of a surface. `normal_lps` is the interpolated normal of the visible side; it is not negated
   /// where it points away from the viewer near a silhouette.
   [[nodiscard]] SurfaceShading on_surface(const std::array<float, 3>& normal_lps) const {
+    // Without branches, so that loops become vector instructions
     const float length_squared = dot(normal_lps, normal_lps);
-    if (!(length_squared > 0)) return {one_sided(normal_lps), 0};
-    const float per_length = 1 / std::sqrt(length_squared);
-    const float facing = std::max(0.0f, dot(normal_lps, to_light_) * per_length);
-    float highlight = std::max(0.0f, dot(normal_lps, half_) * per_length);
+    const bool has_length = length_squared > 0;
+    const float per_length = 1 / std::sqrt(has_length ? length_squared : 1);
+    const float to_light = dot(normal_lps, to_light_) * per_length;
+    const float to_half = dot(normal_lps, half_) * per_length;
+    const float facing = has_length ? to_light : dot(to_viewer_, to_light_);
+    float highlight = has_length && to_half > 0 ? to_half : 0;
     for (int n = 0; n < kHighlightSquarings; ++n) highlight *= highlight;
-    return {kAmbient + (1.0f - kAmbient) * std::min(facing, 1.0f), kHighlight * highlight};
+    return {kAmbient + (1.0f - kAmbient) * std::min(facing > 0 ? facing : 0.0f, 1.0f),
+            kHighlight * highlight};
   }
   /// The same for `count` normals, in arrays for SIMD.
   void on_surfaces(std::size_t count, const std::array<const float*, 3>& normals_lps, float* diffuse,
