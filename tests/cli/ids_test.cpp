@@ -24,6 +24,11 @@ class PlayerIds : public testing::Test {
   [[nodiscard]] ProgramResult run(const Words& words) const {
     return run_player(joined({"render", phantom_atlas(), "--size", "40x30"}, words), folder_.path());
   }
+  void expect_refused(const Words& words, const std::string& message) const {
+    const ProgramResult result = run(words);
+    EXPECT_EQ(result.status, 2);
+    EXPECT_THAT(result.err, HasSubstr(message));
+  }
   /// Numbers of an image of 16 bits.
   [[nodiscard]] std::vector<int> numbers(const std::string& name) const {
     std::vector<int> numbers;
@@ -79,12 +84,9 @@ TEST_F(PlayerIds, AreNotInStatisticsUnlessAskedFor) {
 }
 
 TEST_F(PlayerIds, RefuseOtherFormatsAndFiles) {
-  const ProgramResult jpeg = run({"-o", "p.png", "--ids", "ids.jpg"});
-  EXPECT_EQ(jpeg.status, 2);
-  EXPECT_THAT(jpeg.err, HasSubstr("ids.jpg: unknown ending '.jpg' of an id image; use .png or .exr"));
-  const ProgramResult same = run({"-o", "p.png", "--ids", "./p.png"});
-  EXPECT_EQ(same.status, 2);
-  EXPECT_THAT(same.err, HasSubstr("is another output"));
+  expect_refused({"-o", "p.png", "--ids", "ids.jpg"},
+                 "ids.jpg: unknown ending '.jpg' of an id image; use .png or .exr");
+  expect_refused({"-o", "p.png", "--ids", "./p.png"}, "is another output");
   const ProgramResult nowhere = run({"-o", "p.png", "--ids", "nowhere/ids.png"});
   EXPECT_EQ(nowhere.status, 1);
   EXPECT_THAT(folder_.names(), IsEmpty());
@@ -115,12 +117,9 @@ TEST_F(PlayerIds, StandBesideDepthsInMillimetres) {
 }
 
 TEST_F(PlayerIds, RefuseDepthsInOtherFormatsAndFiles) {
-  const ProgramResult png = run({"-o", "p.png", "--depth", "d.png"});
-  EXPECT_EQ(png.status, 2);
-  EXPECT_THAT(png.err, HasSubstr("d.png: unknown ending '.png' of a depth map; use .exr"));
-  const ProgramResult same = run({"-o", "p.exr", "--depth", "./p.exr"});
-  EXPECT_EQ(same.status, 2);
-  EXPECT_THAT(same.err, HasSubstr("is another output"));
+  expect_refused({"-o", "p.png", "--depth", "d.png"},
+                 "d.png: unknown ending '.png' of a depth map; use .exr");
+  expect_refused({"-o", "p.exr", "--depth", "./p.exr"}, "is another output");
   EXPECT_THAT(folder_.names(), IsEmpty());
 }
 

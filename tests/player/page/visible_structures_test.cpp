@@ -93,6 +93,10 @@ TEST(DirectionLetters, FollowTheCompass) {
   EXPECT_EQ(direction_letters({0, -1, 0}), "A");
   EXPECT_EQ(direction_letters({0, 0, 1}), "S");
   EXPECT_EQ(direction_letters({0, 0, -1}), "I");
+  EXPECT_EQ(direction_letters({0.8, -0.6, 0}), "LA");
+  EXPECT_EQ(direction_letters({0.6, -0.8, 0}), "AL");
+  const double near = std::sin(20 * 3.14159265358979 / 180);
+  EXPECT_EQ(direction_letters({near, 0, std::sqrt(1 - near * near)}), "S");
   const auto oblique = [](double degrees) {
     const double angle = degrees * 3.14159265358979 / 180;
     return direction_letters({std::cos(angle), -std::sin(angle), 0});

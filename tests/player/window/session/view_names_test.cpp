@@ -1,7 +1,6 @@
 #include "player/window/session/view_names.h"
 
 #include <array>
-#include <cmath>
 #include <string>
 #include <utility>
 
@@ -14,19 +13,6 @@ namespace {
 
 const Display kDisplay{.window_low = 0, .window_high = 1, .center_lps_mm = {10, -20, 30}, .radius_mm = 80};
 constexpr PictureSize kSize{640, 480};
-
-TEST(ViewNames, LettersNameDirectionsInLps) {
-  EXPECT_EQ(direction_letters({1, 0, 0}), "L");
-  EXPECT_EQ(direction_letters({-1, 0, 0}), "R");
-  EXPECT_EQ(direction_letters({0, 1, 0}), "P");
-  EXPECT_EQ(direction_letters({0, -1, 0}), "A");
-  EXPECT_EQ(direction_letters({0, 0, 1}), "S");
-  EXPECT_EQ(direction_letters({0, 0, -1}), "I");
-  EXPECT_EQ(direction_letters({0.8, -0.6, 0}), "LA");
-  EXPECT_EQ(direction_letters({0.6, -0.8, 0}), "AL");
-  const double near = std::sin(20 * M_PI / 180);
-  EXPECT_EQ(direction_letters({near, 0, std::sqrt(1 - near * near)}), "S");
-}
 
 TEST(ViewNames, EdgesOfTheNamedViews) {
   // Anatomical convention: right and up vectors of each view.
