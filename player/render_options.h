@@ -48,10 +48,15 @@ struct RenderOptions {
   PictureSize size{512, 512};
   Quality quality = Quality::kNormal;
   Classification classification = Classification::kBefore;
-  /// In drafts of parallel views with a volume and opaque surfaces, rays may end where the nearest pixel
-  /// centre meets a surface. Several times as fast; silhouettes in the volume are rough by a pixel. Not with
-  /// cuts, ids, depth maps or a depth cue.
-  bool rough_silhouettes = false;
+  /// Time for a draft of a parallel view, in ms; 0: as much as it takes. Within a budget, without cuts, ids,
+  /// depth maps and depth cue:
+  ///   - Rays end where the nearest pixel centre meets an opaque surface: several times as fast; silhouettes
+  ///     in the volume are rough by a pixel.
+  ///   - After a draft that took longer, sheets have one pixel per voxel, and then volumes are drawn from
+  ///   means
+  ///     of 2^n voxels along each axis, at most 6 picture pixels wide.
+  ///   - So is the first draft of a volume that would take twice the budget to prepare.
+  double draft_budget_ms = 0;
   bool hybrid_shading = true;  ///< shades boundary voxels of volumes by their normals
   /// Supersamples pixels at edges of surfaces: 1 sample in draft, 4 in normal, 8 in high quality. Pictures
   /// that need more than a quarter of the allowed memory for edge detection get 1 sample.
@@ -102,11 +107,12 @@ struct RenderStats {
   double occupancy = 0;              ///< sum of the three over the voxels of the grid
   std::uint64_t runs_visited = 0;    ///< runs of selected classes
   std::uint64_t voxels_visited = 0;  ///< splatted voxels, or voxels of the ray volume
+  int level = 0;                     ///< splatted voxels are means of 2^level along each axis
   std::uint64_t triangles = 0;       ///< projected triangles
   double select_ms = 0, decode_ms = 0, render_ms = 0;
   /// Stages:
   ///   - traversal: merges runs to spans, or builds the ray volume, once per selection; lights voxels.
-  ///   - rasterize: surfaces to fragments.
+  ///   - rasterize: surfaces to fragments, or to pixels.
   ///   - sheets: splatting and compositing of sheets, or ray casting.
   ///   - resolve: warps the sheet and composites fragments.
   ///   - ids: id image, from the shares of structures that the other stages accumulate.

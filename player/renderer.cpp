@@ -158,24 +158,19 @@ struct Renderer::Impl {
 
     // Merge runs to spans, and light them
     task.begin_stage(kPrepared, 2);
-    AxisSpans& axis_spans = spans.along(shear.principal);
-    axis_spans.require(drawn.plan(), drawn.appearances(), *atlas, decoded.cache(), shear.principal,
-                       options.hybrid_shading, pool);
-    stats.traversal = watch.lap();
-    stats.select_ms += stats.traversal.wall_ms;
     const Lighting lighting(view.plane);
-    axis_spans.update_lighting(view.plane, lighting, options.hybrid_shading, options.cuts, atlas->grid(),
-                               pool);
-    const Elapsed light = watch.lap();
-    stats.traversal += light;
+    const double select_ms = stats.select_ms;
+    const SheetVolume volume =
+        spans.prepare({drawn.plan(), drawn.appearances(), *atlas, decoded.cache(), options.hybrid_shading},
+                      view.plane, shear, lighting, options, stats, pool);
 
     // Rasterise surfaces, render sheets, resolve both into the picture
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
     const FrameScene scene = scene_of(call, surfaces, lighting);
-    SheetFrame stages(scene, axis_spans.model(), &axis_spans.runs(), shear, buffers, stats, pool);
+    SheetFrame stages(scene, volume, buffers, stats, pool);
     SPLATLAS_RETURN_IF_ERROR(run_stages(stages, kSheetLoops, call, frame));
-    stats.runs_visited = axis_spans.runs().count();
-    stats.render_ms = light.wall_ms + watch.lap().wall_ms;
+    stats.render_ms = watch.lap().wall_ms - (stats.select_ms - select_ms);
+    spans.took(stats, options);
     return {};
   }
 
@@ -189,6 +184,7 @@ struct Renderer::Impl {
     stats.decode_ms = std::exchange(fit_decode_ms, 0) + watch.lap().wall_ms;
 
     // Build the ray volume, and light it
+    stats.level = 0;
     task.begin_stage(kPrepared, 4);
     SPLATLAS_RETURN_IF_ERROR(require_ray_volume(options));
     stats.traversal = watch.lap();

@@ -1,6 +1,8 @@
 #include "player/write_picture.h"
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <string>
 
 #include "format/io/output_file.h"
@@ -61,7 +63,11 @@ Result<void> check_depth_ending(const std::filesystem::path& path) {
 
 Result<Bytes> encode_depths(const DepthMap& depths, const std::filesystem::path& path) {
   SPLATLAS_RETURN_IF_ERROR(check_depth_ending(path));
-  return named(encode_exr(depths.size, kDepthPixels, depths.mm.data()), path);
+  std::vector<float> towards_eye(depths.mm.size());
+  std::ranges::transform(depths.mm, towards_eye.begin(), [](float mm) {
+    return mm == DepthMap::kBackground ? std::numeric_limits<float>::quiet_NaN() : -mm;
+  });
+  return named(encode_exr(depths.size, kDepthPixels, towards_eye.data()), path);
 }
 
 }  // namespace splatlas

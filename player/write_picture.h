@@ -31,7 +31,8 @@ namespace splatlas {
 
 /// kUsage unless `path` ends in .exr.
 [[nodiscard]] Result<void> check_depth_ending(const std::filesystem::path& path);
-/// The bytes of a depth map's file: .exr with one channel of floats, "Z". Errors as for id images.
+/// The bytes of a depth map's file: .exr with one channel of floats, "Z". Depths count towards the eye, and
+/// background is NaN. Errors as for id images.
 [[nodiscard]] Result<std::vector<std::byte>> encode_depths(const DepthMap& depths,
                                                            const std::filesystem::path& path);
 

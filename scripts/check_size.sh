@@ -18,7 +18,7 @@ check() {
   fi
 }
 
-check product 56100 format preprocess player schemas
-check tests 47000 tests
+check product 56600 format preprocess player schemas
+check tests 47100 tests
 check bench 8000 bench
 exit "$bad"

@@ -307,7 +307,7 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
   add_cuts(*command, request.page.render);
   const CLI::Option* background =
       add_parsed(*command, "--background", request.page.background, parse_background,
-                 "must be #rrggbb or transparent", "#rrggbb or transparent; black for transparent .jpg")
+                 "must be #rrggbb or transparent", "#rrggbb or transparent; .jpg: black by default")
           ->default_str(request.page.background ? to_hex(*request.page.background) : "transparent");
   command->parse_complete_callback([&request, background] {
     if (background->count() == 0 || request.page.background || !PictureEncoder::is_opaque(request.output))
@@ -326,9 +326,10 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
       *command, "--ids", request.ids, parse_file_name, "must name a file",
       "id image to write, .png (16-bit grey) or .exr: the number of the structure that each pixel shows; "
       "--stats lists the numbers");
-  add_parsed(*command, "--depth", request.depth, parse_file_name, "must name a file",
-             "depth map to write, .exr: mm behind the plane through the picture's centre, infinite for "
-             "background");
+  add_parsed(
+      *command, "--depth", request.depth, parse_file_name, "must name a file",
+      "depth map to write, .exr: mm from the plane through the picture's centre towards the eye, NaN for "
+      "background");
   command->footer(kFooter);
   return command;
 }

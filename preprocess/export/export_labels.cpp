@@ -229,6 +229,22 @@ Result<void> export_label_map(const AtlasContent& content, const std::string& na
   return write_image({content.source_grid, to_source_order(stored, content)}, path);
 }
 
+std::vector<std::string> structures_without_label(const AtlasContent& content) {
+  std::vector<std::string> names;
+  for (StructureIndex s = 0; s < content.graph.size(); ++s) {
+    if (content.graph[s].label) continue;
+    const auto holds = [&](ClassId c) {
+      return content.classes.voxels(c) > 0 &&
+             std::ranges::any_of(content.classes.members(c),
+                                 [s](const Membership& m) { return m.structure == s && m.holds(); });
+    };
+    ClassId c = 0;
+    while (c < content.classes.size() && !holds(c)) ++c;
+    if (c < content.classes.size()) names.push_back(content.graph[s].name);
+  }
+  return names;
+}
+
 Result<ExportedMasks> export_masks(const AtlasContent& content, const fs::path& path) {
   // An interrupt waits for the current mask; then the temporary folder is removed.
   const DeferInterrupts no_folder_left;

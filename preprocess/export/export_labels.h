@@ -21,6 +21,9 @@ namespace splatlas {
 [[nodiscard]] Result<void> export_label_map(const AtlasContent& content, const std::string& name,
                                             const std::filesystem::path& path);
 
+/// Names of the structures with voxels that have no label: segments, which a label map leaves out.
+[[nodiscard]] std::vector<std::string> structures_without_label(const AtlasContent& content);
+
 /// The masks of a folder.
 struct ExportedMasks {
   std::size_t count = 0;

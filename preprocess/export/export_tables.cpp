@@ -161,8 +161,10 @@ Result<std::string> names_text(const StructureGraph& graph, NamesFormat format) 
         return fmt::format("{}\t{}\t{}", *s.label, s.name, to_hex(s.color));
       });
     case NamesFormat::kMricron:
-      return lines_text(graph, "",
-                        [&](const Structure& s) { return fmt::format("{} \"{}\"", *s.label, s.name); });
+      return lines_text(graph, "", [&](const Structure& s) {
+        const bool has_blank = s.name.find(' ') != std::string::npos;
+        return fmt::format("{} {}", *s.label, has_blank ? fmt::format("\"{}\"", s.name) : s.name);
+      });
     default:
       return fail(
           ErrorCode::kUsage,

@@ -15,7 +15,7 @@ namespace splatlas {
 namespace {
 
 constexpr std::int64_t kDepth = 9;    // fog along y, voxels
-constexpr std::int64_t kWidth = 27;   // along x and z
+constexpr std::int64_t kWidth = 35;   // along x and z
 constexpr float kFogOpacity = 0.15f;  // per voxel
 constexpr Rgb kFogColor{180, 200, 220};
 
@@ -74,6 +74,7 @@ struct FogView {
   RenderOptions options{.size = {7, 7}, .hybrid_shading = false, .termination_threshold = 1e-4f};
   ParallelView view;
   double slab_mm = 1;
+  int level = 0;  // of the fog
 
   FogView(double azimuth_deg, double elevation_deg, const AtlasContent& content,
           Quality quality = Quality::kNormal) {
@@ -88,9 +89,20 @@ struct FogView {
 };
 
 /// Full voxels of fog in front of `at`. In drafts fog fills slabs around the slices. Otherwise it rises
-/// between the first two slices, falls behind the last, and each slab has its density halfway through.
-double fog_until(double at, Quality quality) {
-  const int parts = reference::slabs_per_slice(quality);
+/// between the first two slices, falls behind the last, and each slab has its density halfway through. On
+/// coarser levels fog fills slabs around blocks of slices, some of which may be empty.
+double fog_until(double at, const FogView& view) {
+  if (view.level > 0) {
+    const double size = std::ldexp(1.0, view.level), blocks = std::ceil(kDepth / size);
+    const double front = view.view.forward_lps[1] < 0 ? kDepth - blocks * size - 0.5 : -0.5;
+    double voxels = 0;
+    for (double begin = front; begin < front + blocks * size; begin += size) {
+      const double full = std::min(begin + size, kDepth - 0.5) - std::max(begin, -0.5);
+      voxels += full / size * std::clamp(at - begin, 0.0, size);
+    }
+    return voxels;
+  }
+  const int parts = reference::slabs_per_slice(view.options.quality);
   const double thickness = 1.0 / parts;
   const double first = parts == 1 ? -0.5 : -1;
   const int slabs = parts == 1 ? kDepth : (kDepth + 1) * parts;
@@ -109,9 +121,9 @@ std::array<double, 4> expected_pixel(const std::vector<Plane>& in_order, const F
   const double extinction = -std::log1p(-static_cast<double>(kFogOpacity));
   const auto fog_color = reference::linear_of(kFogColor);
   reference::RayRadiance sum;
-  double from = -1;
+  double from = -16;
   const auto add_fog = [&](double to) {
-    const double voxels = fog_until(to, view.options.quality) - fog_until(from, view.options.quality);
+    const double voxels = fog_until(to, view) - fog_until(from, view);
     const double depth = extinction * view.slab_mm * voxels;
     const double opacity = -std::expm1(-depth);
     sum.add({{fog_color[0] * opacity, fog_color[1] * opacity, fog_color[2] * opacity}, 1 - opacity});
@@ -124,7 +136,7 @@ std::array<double, 4> expected_pixel(const std::vector<Plane>& in_order, const F
     const double opacity = plane.opacity;
     sum.add_surface({color[0] * opacity, color[1] * opacity, color[2] * opacity, opacity});
   }
-  add_fog(kDepth);
+  add_fog(2 * kDepth);
   return sum.rgba();
 }
 
@@ -143,7 +155,7 @@ void expect_everywhere(const Picture& picture, const std::array<double, 4>& expe
 void expect_closed_form(const std::vector<Plane>& planes, const std::vector<std::size_t>& front_to_back,
                         const std::vector<std::size_t>& back_to_front,
                         const std::vector<Quality>& qualities = {Quality::kNormal},
-                        bool rough_silhouettes = false) {
+                        double draft_budget_ms = 0) {
   const AtlasContent content = fog_content(planes);
   Renderer renderer = renderer_of(content, fog_selection(planes));
   for (const auto& [azimuth, elevation] :
@@ -151,7 +163,13 @@ void expect_closed_form(const std::vector<Plane>& planes, const std::vector<std:
     for (const Quality quality : qualities) {
       SCOPED_TRACE(fmt::format("first plane at {}, azimuth {}", planes[0].at, azimuth));
       FogView view(azimuth, elevation, content, quality);
-      view.options.rough_silhouettes = rough_silhouettes;
+      view.options.draft_budget_ms = draft_budget_ms;
+      if (draft_budget_ms > 0 &&
+          draft_budget_ms < 1) {  // every draft is late, so that the next one is coarser
+        ASSERT_TRUE(renderer.render(view.camera, view.options));
+        view.level = renderer.render(view.camera, view.options)->stats.level;
+        ASSERT_EQ(view.level, 2);
+      }
       const bool behind = view.view.forward_lps[1] < 0;
       std::vector<Plane> in_order;
       for (const std::size_t n : behind ? back_to_front : front_to_back) {
@@ -176,7 +194,16 @@ TEST(SurfaceInVolume, SweptPlanesFollowTheClosedForm) {
 TEST(SurfaceInVolume, RaysOfDraftsEndAtTheClosedForm) {
   for (int step = -16; step <= 16 * kDepth; ++step) {
     if (step % 4 != 0 && (step < 28 || step > 60)) continue;
-    expect_closed_form({{step / 16.0, {255, 80, 20}, 1.0f, true}}, {0}, {0}, {Quality::kDraft}, true);
+    expect_closed_form({{step / 16.0, {255, 80, 20}, 1.0f, true}}, {0}, {0}, {Quality::kDraft}, 1e9);
+  }
+}
+
+/// Surfaces within means of voxels.
+TEST(SurfaceInVolume, PlanesInCoarseDraftsFollowTheClosedForm) {
+  for (int step = -16; step <= 16 * kDepth; step += 4) {
+    for (const float opacity : {0.6f, 1.0f}) {
+      expect_closed_form({{step / 16.0, {255, 80, 20}, opacity, true}}, {0}, {0}, {Quality::kDraft}, 1e-9);
+    }
   }
 }
 

@@ -25,8 +25,12 @@ struct Span {
 
 /// A boundary voxel that is shaded by its normal, so that its emission depends on the view (hybrid shading).
 struct ShadedVoxel {
+  /// `lit` of voxels whose whole emission depends on the normal.
+  static constexpr std::uint16_t kAllLit = 65535;
+
   std::size_t place = 0;  ///< of its extinction: SliceSpans::place()
   PackedNormal normal = 0;
+  std::uint16_t lit = kAllLit;      ///< share of the emission that depends on the normal
   std::array<float, 3> emission{};  ///< unshaded, 1/mm; only the first is used for volumes of one colour
 };
 

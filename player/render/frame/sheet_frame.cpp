@@ -26,10 +26,8 @@ bool has_sharp_edges(const SpanModel& model, const Grid& grid) {
   return model.mean_densest_per_mm * reference_length_mm(grid) >= 1;
 }
 
-int sheet_scale(Quality quality, const Shear& shear, bool sharp) {
-  const Affine2& map = shear.picture_to_sheet;
-  const double voxels_per_pixel = std::min(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy));
-  const double pixels_per_voxel = std::min(1.0 / voxels_per_pixel, 1e3);
+int sheet_scale(Quality quality, const SheetVolume& volume, bool sharp) {
+  const double pixels_per_voxel = std::min(volume.shear.voxel_pixels(), 1e3);
   const auto fine = [&](double wanted, int min_scale, int max_scale) {
     return std::clamp(static_cast<int>(std::ceil(wanted - 0.25)), min_scale, max_scale);
   };
@@ -39,7 +37,7 @@ int sheet_scale(Quality quality, const Shear& shear, bool sharp) {
     case Quality::kHigh: return fine((sharp ? 2.5 : 2) * pixels_per_voxel, 2, 8);
     case Quality::kDraft: break;
   }
-  return fine(pixels_per_voxel, 1, 2);
+  return fine(pixels_per_voxel, 1, volume.detail.max_scale);
 }
 
 /// Slabs per slice. The error along rays is second order in their thickness.
@@ -70,9 +68,10 @@ double bytes_of_sheet(const SheetWindow& window, const SpanModel& model) {
   return 2 * sizeof(float) * (1 + model.emissions) * pixels + kBytesPerRow * rows;
 }
 
-Result<SheetWindow> choose_window(const SpanModel& model, const Shear& shear, const Grid& grid,
-                                  const RenderOptions& options, std::span<const VoxelPlane> planes) {
-  SheetSampling sampling{sheet_scale(options.quality, shear, has_sharp_edges(model, grid)),
+Result<SheetWindow> choose_window(const SheetVolume& volume, const RenderOptions& options,
+                                  std::span<const VoxelPlane> planes) {
+  const auto& [model, runs, shear, grid, detail] = volume;
+  SheetSampling sampling{sheet_scale(options.quality, volume, has_sharp_edges(model, grid)),
                          slab_parts(options.quality), options.quality != Quality::kDraft};
   while (true) {
     SheetWindow window = sheet_window(model, shear, options.size, sampling, planes);
@@ -91,41 +90,55 @@ Result<SheetWindow> choose_window(const SpanModel& model, const Shear& shear, co
 }  // namespace
 
 Result<RasterScene> SheetFrame::raster_scene_of_view() const {
-  return raster_scene(scene_.surfaces, scene_.view.plane, shear_, scene_.grid, scene_.lighting);
+  return raster_scene(scene_.surfaces, scene_.view.plane, volume_.shear, scene_.grid, scene_.lighting);
 }
 
 bool SheetFrame::ends_at_surfaces() const {
   const RenderOptions& options = scene_.options;
-  return options.rough_silhouettes && options.quality == Quality::kDraft && options.cuts.empty() &&
-         voxels() > 0 && !scene_.surfaces.empty() && all_opaque();
+  return may_be_rough(options) && voxels() > 0 && !scene_.surfaces.empty() && all_opaque();
+}
+
+/// Converts the depths of surfaces to voxels of the volume's level. The fragments are no longer those of the
+/// grid, for picks.
+void SheetFrame::scale_depths() {
+  if (volume_.detail.level == 0) return;
+  const double scale = std::ldexp(1.0, -volume_.detail.level);
+  const double shift = raster_->depth_sign * (scale - 1) / 2;
+  const auto scaled = [&](float depth) {
+    return static_cast<float>(scale * static_cast<double>(depth) + shift);
+  };
+  for (float& depth : buffers_.surface_depths) depth = scaled(depth);
+  for (Fragment& fragment : buffers_.fragments.fragments) fragment.depth = scaled(fragment.depth);
+  buffers_.has_fragments = false;
 }
 
 Result<void> SheetFrame::render_volume(Picture& /*picture*/) {
   Stopwatch watch;
   const RenderOptions& options = scene_.options;
-  SPLATLAS_ASSIGN_OR_RETURN(const SheetWindow window,
-                            choose_window(spans_, shear_, scene_.grid, options, planes()));
-  check_memory(bytes_of_sheet(window, spans_));
-  buffers_.order.build(buffers_.fragments, shear_, window, options.size, scene_.grid, pool_);
-  const bool has_ends = paints_surfaces();
+  SPLATLAS_ASSIGN_OR_RETURN(const SheetWindow window, choose_window(volume_, options, planes()));
+  const auto& [spans, runs, shear, grid, detail] = volume_;
+  check_memory(bytes_of_sheet(window, spans));
+  scale_depths();
+  buffers_.order.build(buffers_.fragments, shear, window, options.size, grid, pool_);
+  const bool has_ends = ends_at_surfaces();
   if (has_ends)
-    buffers_.ends.build(buffers_.surface_depths, options.size, shear_, window, buffers_.order, pool_);
+    buffers_.ends.build(buffers_.surface_depths, options.size, shear, window, buffers_.order, pool_);
   // The positive weights of the cubic kernel sum to at most 1.28, which amplifies the error of the sheet.
   const float threshold = termination_threshold(options) / (window.cubic ? 1.3f : 1.0f);
   const SplatKernels& kernels = scene_.overrides.simd ? best_kernels() : scalar_kernels();
   std::optional<SharePass> shares;
   if (options.ids)
-    shares.emplace(SharePass{{*runs_, scene_.numbers}, buffers_.shares, buffers_.fragment_shares});
+    shares.emplace(SharePass{{*runs, scene_.numbers}, buffers_.shares, buffers_.fragment_shares});
   stats_.voxels_visited =
-      render_sheets(spans_, shear_, window, kernels, threshold, planes(), buffers_.order, buffers_.sheet,
-                    pool_, shares ? &*shares : nullptr, has_ends ? &buffers_.ends : nullptr);
+      render_sheets(spans, shear, window, kernels, threshold, planes(), buffers_.order, buffers_.sheet, pool_,
+                    shares ? &*shares : nullptr, has_ends ? &buffers_.ends : nullptr);
   stats_.sheets = watch.lap();
   return {};
 }
 
 void SheetFrame::resolve(Picture& picture) {
   Stopwatch watch;
-  splatlas::resolve(buffers_.sheet, shear_, fragments(), scene_.options.size,
+  splatlas::resolve(buffers_.sheet, volume_.shear, fragments(), scene_.options.size,
                     scene_.overrides.simd ? best_warp() : scalar_warp(), paints_surfaces(), picture, pool_);
   stats_.resolve = watch.lap();
 }
@@ -133,14 +146,14 @@ void SheetFrame::resolve(Picture& picture) {
 void SheetFrame::resolve_ids(const Picture& picture) {
   Stopwatch watch;
   if (scene_.options.ids) {
-    splatlas::resolve_ids(buffers_.shares, shear_, fragments(), buffers_.fragment_shares, picture,
+    splatlas::resolve_ids(buffers_.shares, volume_.shear, fragments(), buffers_.fragment_shares, picture,
                           buffers_.ids, pool_);
   }
   stats_.ids = watch.lap();
 }
 
 void SheetFrame::add_volume_depths(const ViewDepth& view_depth) {
-  add_span_depths(spans_, shear_, view_depth, planes(), buffers_.depths, pool_);
+  add_span_depths(volume_.spans, volume_.shear, view_depth, planes(), buffers_.depths, pool_);
 }
 
 }  // namespace splatlas

@@ -9,13 +9,12 @@
 
 namespace splatlas {
 
-/// The spans must be lit. They, their runs and the factorisation must outlive the frame. `runs` may be null
-/// in frames without ids.
+/// The spans of the volume, which must outlive the frame, must be lit.
 class SheetFrame : public FrameRenderer {
  public:
-  SheetFrame(const FrameScene& scene, const SpanModel& spans, const SelectedRuns* runs, const Shear& shear,
-             FrameBuffers& buffers, RenderStats& stats, ThreadPool& pool)
-      : FrameRenderer(scene, buffers, stats, pool), spans_(spans), runs_(runs), shear_(shear) {}
+  SheetFrame(const FrameScene& scene, const SheetVolume& volume, FrameBuffers& buffers, RenderStats& stats,
+             ThreadPool& pool)
+      : FrameRenderer(scene, buffers, stats, pool), volume_(volume) {}
 
   /// Splats and composites the spans sheet by sheet (Westover 1990).
   [[nodiscard]] Result<void> render_volume(Picture& picture) override;
@@ -26,17 +25,17 @@ class SheetFrame : public FrameRenderer {
   [[nodiscard]] Result<RasterScene> raster_scene_of_view() const override;
   void add_volume_depths(const ViewDepth& view_depth) override;
   [[nodiscard]] bool ends_at_surfaces() const override;
-  [[nodiscard]] std::uint64_t voxels() const override { return spans_.voxels; }
-  [[nodiscard]] std::optional<Axis> slice_axis() const override { return shear_.principal; }
+  [[nodiscard]] std::uint64_t voxels() const override { return volume_.spans.voxels; }
+  [[nodiscard]] std::optional<Axis> slice_axis() const override { return volume_.shear.principal; }
 
   /// Surface fragments in the volume.
   [[nodiscard]] FragmentsInVolume fragments() const {
     return {buffers_.fragments, buffers_.order, cuts(), faces()};
   }
 
-  const SpanModel& spans_;
-  const SelectedRuns* runs_;
-  const Shear& shear_;
+  void scale_depths();
+
+  const SheetVolume& volume_;
 };
 
 }  // namespace splatlas

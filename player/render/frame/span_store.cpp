@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "player/render/clip/cut_rays.h"
+#include "player/render/frame/stopwatch.h"
 #include "player/render/sheets/splat/block_runs.h"
 
 namespace splatlas {
@@ -72,7 +73,15 @@ void shade_kept_spans(SpanModel& model, std::span<const float> factors, std::spa
   });
 }
 
+/// Time to build spans, per voxel and thread.
+constexpr double kBuildMsPerVoxel = 40e-6;
+
 }  // namespace
+
+bool may_be_rough(const RenderOptions& options) {
+  return options.quality == Quality::kDraft && options.draft_budget_ms > 0 && options.cuts.empty() &&
+         !options.ids && !options.depths && options.depth_cue == DepthCue::kNone;
+}
 
 std::uint64_t max_span_bytes(std::uint64_t voxels, const Atlas& atlas) {
   // The selection's runs are unknown yet; bound them by all runs of an axis
@@ -81,8 +90,8 @@ std::uint64_t max_span_bytes(std::uint64_t voxels, const Atlas& atlas) {
   return span_model_bytes(voxels, std::min(runs, voxels));
 }
 
-void AxisSpans::require(const DrawPlan& plan, const VolumeAppearances& appearances, const Atlas& atlas,
-                        const ClassCache& cache, Axis axis, bool shade, ThreadPool& pool) {
+void AxisSpans::require(const SpanSource& source, Axis axis, ThreadPool& pool) {
+  const auto& [plan, appearances, atlas, cache, shade] = source;
   if (current(shade)) return;
   // If an allocation throws, no incomplete spans remain marked as current.
   runs_.reset();
@@ -114,13 +123,66 @@ void AxisSpans::update_lighting(const ParallelView& view, const Lighting& lighti
   partly_shaded_ = false;
 }
 
-AxisSpans& SpanStore::along(Axis axis) {
+VolumeDetail SpanStore::choose_detail(const SpanSource& source, const Shear& shear,
+                                      const RenderOptions& options, unsigned threads) {
+  if (!may_be_rough(options)) return {};
+  const double voxels = static_cast<double>(source.plan.volume_voxels + source.plan.hybrid_voxels);
+  const std::optional<AxisSpans>& spans = spans_[static_cast<std::size_t>(shear.principal)];
+  const bool ready = (spans && spans->current(source.shade)) ||
+                     voxels * kBuildMsPerVoxel / threads <= 2 * options.draft_budget_ms;
+  return pace_.next(shear.voxel_pixels(), ready);
+}
+
+SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& view, const Shear& shear,
+                               const Lighting& lighting, const RenderOptions& options, RenderStats& stats,
+                               ThreadPool& pool) {
+  const Grid& grid = source.atlas.grid();
+  const Axis axis = shear.principal;
+  const VolumeDetail detail = choose_detail(source, shear, options, pool.threads());
+  stats.level = detail.level;
+  Stopwatch watch;
+  const auto built = [&] {
+    stats.traversal = watch.lap();
+    stats.select_ms += stats.traversal.wall_ms;
+  };
+  if (detail.level > 0) {
+    const bool current = means_ && means_->model().axis == axis && means_->level() == detail.level &&
+                         shaded_means_ == source.shade;
+    if (!current) {
+      means_.reset();
+      const SelectedRuns runs(source.plan, source.atlas.classes(), source.cache, axis);
+      means_.emplace(SpanRequest{runs, source.plan, source.appearances, source.atlas.classes(), grid,
+                                 source.cache, source.shade},
+                     detail.level, pool);
+      shaded_means_ = source.shade;
+    }
+    built();
+    means_->light(view, lighting, pool);
+    stats.traversal += watch.lap();
+    stats.runs_visited = means_->runs();
+    const Grid of_means = coarse_grid(grid, detail.level);
+    return {means_->model(), nullptr, factorise(view, of_means, &axis), of_means, detail};
+  }
   latest_ = axis;
   std::optional<AxisSpans>& spans = spans_[static_cast<std::size_t>(axis)];
-  return spans ? *spans : spans.emplace();
+  if (!spans) spans.emplace();
+  spans->require(source, axis, pool);
+  built();
+  spans->update_lighting(view, lighting, source.shade, options.cuts, grid, pool);
+  stats.traversal += watch.lap();
+  stats.runs_visited = spans->runs().count();
+  return {spans->model(), &spans->runs(), shear, grid, detail};
+}
+
+/// Surfaces take as long with any detail of the volume.
+void SpanStore::took(const RenderStats& stats, const RenderOptions& options) {
+  if (!may_be_rough(options) || stats.voxels_visited == 0) return;
+  const double budget = options.draft_budget_ms, of_surfaces = stats.rasterize.wall_ms;
+  pace_.took(stats.render_ms - of_surfaces, std::max(budget - of_surfaces, budget / 2));
 }
 
 void SpanStore::outdate() {
+  means_.reset();
   for (const Axis axis : kAxes) {
     std::optional<AxisSpans>& spans = spans_[static_cast<std::size_t>(axis)];
     if (!spans) continue;
@@ -139,6 +201,7 @@ void SpanStore::make_room(std::uint64_t bytes) {
 }
 
 void SpanStore::clear() {
+  means_.reset();
   for (std::optional<AxisSpans>& spans : spans_) spans.reset();
 }
 

@@ -6,10 +6,35 @@
 #include <optional>
 
 #include "player/camera.h"
+#include "player/render/frame/draft_pace.h"
 #include "player/render/sheets/spans/build_spans.h"
+#include "player/render/sheets/spans/coarse_spans.h"
 #include "player/render/transfer/shading.h"
+#include "player/render/view/shear.h"
+#include "player/render_options.h"
 
 namespace splatlas {
+
+/// What spans are made of: the decoded data of a selection.
+struct SpanSource {
+  const DrawPlan& plan;
+  const VolumeAppearances& appearances;
+  const Atlas& atlas;
+  const ClassCache& cache;
+  bool shade = true;  ///< list boundary voxels for hybrid shading
+};
+
+/// The volume of a frame by sheets: spans of the voxels, or of their means.
+struct SheetVolume {
+  const SpanModel& spans;
+  const SelectedRuns* runs;  ///< of the spans; null for means
+  Shear shear;               ///< of `grid`
+  Grid grid;                 ///< of the spans
+  VolumeDetail detail;
+};
+
+/// True for drafts with a budget that need no exact depths.
+[[nodiscard]] bool may_be_rough(const RenderOptions& options);
 
 /// Upper bound of the memory of spans of this number of voxels.
 [[nodiscard]] std::uint64_t max_span_bytes(std::uint64_t voxels, const Atlas& atlas);
@@ -21,10 +46,8 @@ class AxisSpans {
   [[nodiscard]] bool current(bool shade) const { return runs_ && (lists_shaded_ || !shade); }
   /// Marks the spans as those of an earlier selection.
   void outdate() { runs_.reset(); }
-  /// Makes the spans current; arguments as for SpanRequest. `shade`: lists boundary voxels. Throws
-  /// std::bad_alloc.
-  void require(const DrawPlan& plan, const VolumeAppearances& appearances, const Atlas& atlas,
-               const ClassCache& cache, Axis axis, bool shade, ThreadPool& pool);
+  /// Makes the spans current. Throws std::bad_alloc.
+  void require(const SpanSource& source, Axis axis, ThreadPool& pool);
   /// Hybrid shading: applies the lighting of `view` to boundary voxels if it has changed, except to voxels
   /// that the cuts remove.
   void update_lighting(const ParallelView& view, const Lighting& lighting, bool shade, const CutPlanes& cuts,
@@ -48,8 +71,14 @@ class AxisSpans {
 /// unchanged parts. Not thread-safe.
 class SpanStore {
  public:
-  /// Spans along an axis, which becomes the latest: current, outdated or none.
-  [[nodiscard]] AxisSpans& along(Axis axis);
+  /// Prepares the volume of a frame: chooses its detail, builds spans unless they are current, and lights
+  /// them. Sets the traversal and counters of the statistics, and adds the time to build spans to
+  /// `select_ms`. Valid until the next call. Throws std::bad_alloc.
+  [[nodiscard]] SheetVolume prepare(const SpanSource& source, const ParallelView& view, const Shear& shear,
+                                    const Lighting& lighting, const RenderOptions& options,
+                                    RenderStats& stats, ThreadPool& pool);
+  /// Records the times of the frame of the latest prepare().
+  void took(const RenderStats& stats, const RenderOptions& options);
   /// Marks the spans of the latest axis as outdated, and frees the others. For a new plan.
   void outdate();
   /// Frees outdated spans that take more than `bytes`.
@@ -60,8 +89,14 @@ class SpanStore {
   [[nodiscard]] const SelectedRuns* runs(Axis axis) const;
 
  private:
+  [[nodiscard]] VolumeDetail choose_detail(const SpanSource& source, const Shear& shear,
+                                           const RenderOptions& options, unsigned threads);
+
   std::array<std::optional<AxisSpans>, 3> spans_;
   Axis latest_ = Axis::kZ;
+  std::optional<CoarseSpans> means_;  // of the current selection
+  bool shaded_means_ = false;
+  DraftPace pace_;
 };
 
 }  // namespace splatlas

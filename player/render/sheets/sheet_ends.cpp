@@ -39,7 +39,7 @@ BandEnds::BandEnds(const SheetEnds& ends, BandImage& image)
     : first_(image.first_fine_row()), planes_(image.planes()), plane_stride_(image.plane_stride()) {
   for (std::int64_t fine_row = first_; fine_row < image.last_fine_row(); ++fine_row) {
     Row& row = rows_.emplace_back();
-    row.waiting = all_.size();
+    row.begin = row.waiting = all_.size();
     for (const SheetEnds::End& end : ends.of_row(fine_row))
       all_.push_back({end, image.rows(fine_row, end.phase).pixels + end.column, {}});
     row.end = all_.size();
@@ -90,8 +90,7 @@ void BandEnds::close(Ended& ended) const {
 
 void BandEnds::restore() {
   for (const Row& row : rows_) {
-    const std::size_t first = &row == rows_.data() ? 0 : (&row - 1)->end;
-    for (std::size_t n = first; n < row.waiting; ++n) {
+    for (std::size_t n = row.begin; n < row.waiting; ++n) {
       for (std::int64_t plane = 0; plane < planes_; ++plane)
         all_[n].pixel[plane * plane_stride_] = all_[n].in_front[static_cast<std::size_t>(plane)];
     }

@@ -69,7 +69,7 @@ class BandEnds {
   /// Ends [waiting, next) are in the current slab, those before are passed.
   struct Row {
     std::int32_t next_slab = 0;
-    std::size_t waiting = 0, next = 0, end = 0;
+    std::size_t begin = 0, waiting = 0, next = 0, end = 0;
   };
 
   void set_next(Row& row, std::size_t next) const;

@@ -32,8 +32,8 @@ SurfaceDraw surface_draw(StructureIndex s, const StructureDraw& appearance, cons
           appearance.opacity.value_or(1.0f)};
 }
 
-/// Number of fragments so far. The limit applies to the sum over all tiles, so that their order is
-/// irrelevant.
+/// Number of fragments that are kept so far. The limit applies to the sum over all tiles, so that their order
+/// is irrelevant, and to the crossings of each tile.
 struct Rasterizer::Count {
   std::size_t limit = 0;
   std::atomic<std::size_t> total{0};

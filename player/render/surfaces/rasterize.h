@@ -42,17 +42,17 @@ class Rasterizer {
   /// triangles and visible fragments; those at edges count once per sample.
   [[nodiscard]] Result<std::uint64_t> draw(const RasterScene& scene, const RasterOptions& options,
                                            FragmentList& out, ThreadPool& pool);
-  /// Draws surfaces without faces of cuts, and without a volume in front of them or between them: composites
-  /// the fragments of each sample, and replaces the picture by the means of the samples. `depths`: also makes
-  /// the depth of each pixel, infinite without surfaces, if all surfaces are opaque; null: not asked for. The
-  /// same errors.
+  /// Draws surfaces without faces of cuts, and without a volume between them: composites the fragments of
+  /// each sample, and replaces the picture by the means of the samples. `depths`: also makes the depth of
+  /// each pixel, infinite without surfaces, if all surfaces are opaque; null: not asked for. The same errors,
+  /// but the limit is that of each tile.
   [[nodiscard]] Result<std::uint64_t> paint(const RasterScene& scene, const RasterOptions& options,
                                             Picture& picture, std::vector<float>* depths, ThreadPool& pool);
 
  private:
   struct Count;
 
-  /// Paint every sample, or keep its fragments if `painted` is null.
+  /// Paints every sample, or keeps its fragments if `painted` is null.
   [[nodiscard]] Result<void> draw_tiles(const RasterScene& scene, const RasterOptions& options,
                                         const PaintedPicture* painted, ThreadPool& pool);
   bool draw_centers(const RasterScene& scene, const RasterOptions& options, const PaintedPicture* painted,

@@ -1,6 +1,8 @@
 // Shear-warp factorisation of a parallel view, and grid axis of the depths of fragments.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 
@@ -29,6 +31,11 @@ struct Shear {
   double slab_mm = 1;        ///< length of a ray between two slices
   Affine2 picture_to_sheet;  ///< the inverse warp: picture coordinates (pixels) to (u, v)
 
+  /// Width of a voxel in picture pixels: the largest along the axes of the picture.
+  [[nodiscard]] double voxel_pixels() const {
+    const Affine2& map = picture_to_sheet;
+    return 1 / std::min(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy));
+  }
   [[nodiscard]] double u_shift(double k) const { return -slope_u * (k - k_ref); }
   [[nodiscard]] double v_shift(double k) const { return -slope_v * (k - k_ref); }
 };

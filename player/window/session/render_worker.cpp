@@ -13,7 +13,9 @@ namespace {
 
 /// Time without requests before a picture is refined.
 constexpr std::chrono::milliseconds kStill{120};
-/// Slower drafts get a lower resolution; quicker drafts get a higher one.
+/// The renderer chooses the detail of drafts for this time.
+constexpr double kDraftBudgetMs = 33;
+/// After two slower drafts, the next ones get a lower resolution; after a quicker one, a higher resolution.
 constexpr double kSlowDraftMs = 70, kQuickDraftMs = 20;
 constexpr int kMaxDraftDivisor = 4;
 constexpr Rgb kBackground{0, 0, 0};
@@ -138,7 +140,7 @@ Result<Frame> RenderWorker::render(const FrameRequest& request, Quality quality)
   options.size = {std::max(1, request.size.width / divisor), std::max(1, request.size.height / divisor)};
   options.quality = quality;
   options.depth_cue = request.depth_cue;
-  options.rough_silhouettes = true;  // of drafts
+  options.draft_budget_ms = kDraftBudgetMs;
   return renderer_.render(request.camera, options);
 }
 
@@ -187,7 +189,9 @@ void RenderWorker::render_frame(FrameRequest request, Quality quality) {
   const bool draft = quality == Quality::kDraft;
   if (draft) {
     const double ms = (*frame)->stats.render_ms;
-    if (ms > kSlowDraftMs) draft_divisor_ = std::min(draft_divisor_ + 1, kMaxDraftDivisor);
+    const bool slow = ms > kSlowDraftMs;
+    if (slow && was_slow_) draft_divisor_ = std::min(draft_divisor_ + 1, kMaxDraftDivisor);
+    was_slow_ = slow && !was_slow_;
     if (ms < kQuickDraftMs) draft_divisor_ = std::max(draft_divisor_ - 1, 1);
     const std::lock_guard lock(mutex_);
     if (!request_) unrefined_ = std::move(request);

@@ -143,6 +143,7 @@ class RenderWorker {
   std::shared_ptr<const Selection> selected_;
   Frame latest_;  // for picks
   int draft_divisor_ = 1;
+  bool was_slow_ = false;  // the latest draft, since the divisor was raised
 
   std::function<void()> wake_;
   std::thread thread_;  // last: starts after all other members exist

@@ -32,6 +32,19 @@ AtlasContent labelled_voxel(VoxelType type, std::int64_t label) {
   return content;
 }
 
+TEST(ExportLabels, ListTheStructuresThatALabelMapLeavesOut) {
+  AtlasContent content;
+  content.source_grid.size = {3, 1, 1};
+  content.graph = StructureGraph::build({{.id = "group", .name = "Group"},
+                                         {.id = "one", .name = "One", .label = 7},
+                                         {.id = "segment", .name = "Segment", .parents = {0}}})
+                      .value();
+  fill_classes(content, [](const Index3& at) {
+    return std::vector<Membership>{{at[0] == 0 ? 1u : 2u, Part::kBoundary}};
+  });
+  EXPECT_THAT(structures_without_label(content), ElementsAre("Segment"));
+}
+
 struct Label {
   VoxelType type;
   std::int64_t label;

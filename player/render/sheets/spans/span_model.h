@@ -69,10 +69,13 @@ struct SpanModel {
   }
 };
 
-/// Multiplies the emission of a shaded voxel of a slice by `factors[normal]`.
+/// Multiplies the lit part of the emission of a shaded voxel of a slice by `factors[normal]`.
 inline void shade(const ShadedVoxel& voxel, std::span<const float> factors, SliceSpans& slice) {
+  float factor = factors[voxel.normal];
+  if (voxel.lit != ShadedVoxel::kAllLit)
+    factor = 1 + static_cast<float>(voxel.lit) / ShadedVoxel::kAllLit * (factor - 1);
   for (std::size_t c = 0; c < static_cast<std::size_t>(slice.emissions); ++c)
-    slice.optics.data()[voxel.place + (c + 1) * kBlock] = voxel.emission[c] * factors[voxel.normal];
+    slice.optics.data()[voxel.place + (c + 1) * kBlock] = voxel.emission[c] * factor;
 }
 
 /// Multiplies the emission of shaded voxels by `factors[normal]` (65536 entries), once per change of view.

@@ -64,8 +64,8 @@ void SpanWriter::color(std::uint32_t first, std::uint32_t count, const std::arra
 }
 
 void SpanWriter::shade(std::uint32_t first, std::uint32_t count, const PackedNormal* normals,
-                       std::size_t stride) {
-  shaded_.push_back({first, count, normals, stride});
+                       std::size_t stride, const std::uint16_t* lit) {
+  shaded_.push_back({first, count, normals, stride, lit});
   if (stride == 1) return;  // the hardware prefetcher finds consecutive normals
   for (std::uint32_t n = 0; n < count; ++n) hwy::Prefetch(normals + n * stride);
 }
@@ -138,7 +138,9 @@ void SpanWriter::list(const ShadedRun& run, std::size_t first_of_row) {
     while (s < out_.spans.size() && block_of(voxel) >= out_.spans[s].first_block + out_.spans[s].blocks) ++s;
     if (s == out_.spans.size()) return;
     if (block_of(voxel) < out_.spans[s].first_block) continue;
-    ShadedVoxel shaded{out_.place(out_.spans[s], voxel), run.normals[n * run.stride], {}};
+    ShadedVoxel shaded{
+        out_.place(out_.spans[s], voxel), run.normals[n * run.stride], ShadedVoxel::kAllLit, {}};
+    if (run.lit != nullptr) shaded.lit = run.lit[n];
     const float* const optics = out_.optics.data() + shaded.place;
     if (optics[0] <= 0) continue;
     for (int c = 0; c < out_.emissions; ++c)

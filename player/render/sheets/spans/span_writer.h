@@ -31,8 +31,10 @@ class SpanWriter {
   }
   /// Multiplies emission 0, that of white, by a colour to get all three emissions.
   void color(std::uint32_t first, std::uint32_t count, const std::array<float, 3>& color);
-  /// Lists added voxels as shaded, with normals[0], normals[stride], ...
-  void shade(std::uint32_t first, std::uint32_t count, const PackedNormal* normals, std::size_t stride);
+  /// Lists added voxels as shaded, with normals[0], normals[stride], ... `lit`: shares of their emissions
+  /// that depend on the normals; null: all.
+  void shade(std::uint32_t first, std::uint32_t count, const PackedNormal* normals, std::size_t stride,
+             const std::uint16_t* lit = nullptr);
   /// Appends the row's spans. Rows of the grid come in ascending order.
   void end_row(std::int64_t row);
   /// Completes the offsets, after the last row.
@@ -49,6 +51,7 @@ class SpanWriter {
     std::uint32_t first = 0, count = 0;
     const PackedNormal* normals = nullptr;
     std::size_t stride = 1;
+    const std::uint16_t* lit = nullptr;
   };
   void make_room(std::size_t floats);
   void keep(std::uint32_t block, float* line, std::size_t first_of_row);

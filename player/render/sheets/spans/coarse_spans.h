@@ -1,0 +1,42 @@
+// Spans of a coarser grid, for drafts.
+#pragma once
+
+#include <optional>
+
+#include "format/content/grid.h"
+#include "format/tasks/thread_pool.h"
+#include "player/camera.h"
+#include "player/render/sheets/spans/build_spans.h"
+#include "player/render/sheets/spans/optical_buffer.h"
+#include "player/render/sheets/spans/span_model.h"
+#include "player/render/transfer/shading.h"
+
+namespace splatlas {
+
+/// The grid of blocks of 2^level voxels along each axis. Blocks at the end may reach beyond `grid`.
+[[nodiscard]] Grid coarse_grid(const Grid& grid, int level);
+
+/// Spans of the blocks of a selection: the means of the optical properties of their voxels, and normals
+/// weighted by emission. They need no spans of the voxels. Not thread-safe.
+class CoarseSpans {
+ public:
+  /// Builds the spans, unshaded. Cost: linear in the selected voxels and in the blocks of the selection's
+  /// box, in parallel. Throws std::bad_alloc.
+  CoarseSpans(const SpanRequest& request, int level, ThreadPool& pool);
+
+  /// Hybrid shading: applies the lighting of `view` to boundary voxels if it has changed.
+  void light(const ParallelView& view, const Lighting& lighting, ThreadPool& pool);
+
+  [[nodiscard]] int level() const { return level_; }
+  [[nodiscard]] std::uint64_t runs() const { return runs_; }  ///< that they are made of
+  [[nodiscard]] const SpanModel& model() const { return model_; }
+
+ private:
+  int level_;
+  std::uint64_t runs_;
+  OpticalArena arena_;  // of the model
+  SpanModel model_;
+  std::optional<ParallelView> lit_for_;
+};
+
+}  // namespace splatlas

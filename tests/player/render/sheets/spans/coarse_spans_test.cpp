@@ -1,0 +1,108 @@
+#include "player/render/sheets/spans/coarse_spans.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "tests/player/prepared_selection.h"
+#include "tests/player/render/sheets/spans/unpacked_spans.h"
+#include "tests/support/random_scene.h"
+
+namespace splatlas {
+namespace {
+
+/// Means over blocks, from the reference.
+std::vector<reference::VoxelOptics> means_of(const reference::OpticalField& field, const Grid& grid,
+                                             int level) {
+  const Grid coarse = coarse_grid(grid, level);
+  std::vector<reference::VoxelOptics> means(static_cast<std::size_t>(coarse.voxels()));
+  for (std::int64_t k = 0; k < grid.size[2]; ++k) {
+    for (std::int64_t j = 0; j < grid.size[1]; ++j) {
+      for (std::int64_t i = 0; i < grid.size[0]; ++i) {
+        means[static_cast<std::size_t>(coarse.offset(i >> level, j >> level, k >> level))].add(
+            std::ldexp(1.0, -3 * level), field.voxels[static_cast<std::size_t>(grid.offset(i, j, k))]);
+      }
+    }
+  }
+  return means;
+}
+
+CoarseSpans coarse_spans(PreparedSelection& prepared, Axis axis, int level) {
+  const SelectedRuns runs = prepared.runs(axis);
+  return {{runs, prepared.plan, prepared.appearances, prepared.atlas->classes(), prepared.atlas->grid(),
+           prepared.cache},
+          level,
+          prepared.pool};
+}
+
+void expect_near(const std::vector<reference::VoxelOptics>& ours,
+                 const std::vector<reference::VoxelOptics>& expected, double tolerance) {
+  ASSERT_EQ(ours.size(), expected.size());
+  for (std::size_t n = 0; n < ours.size(); ++n) {
+    const double scale = expected[n].extinction;
+    ASSERT_NEAR(ours[n].extinction, scale, 1e-5 * scale + 1e-38) << "block " << n;
+    for (std::size_t c = 0; c < 3; ++c)
+      ASSERT_NEAR(ours[n].emission[c], expected[n].emission[c], tolerance * scale + 1e-38) << "block " << n;
+  }
+}
+
+TEST(CoarseSpans, AreTheMeansOfTheirVoxels) {
+  std::uint64_t compared = 0;
+  for (std::uint32_t number = 0; number < 30; ++number) {
+    const RandomScene scene = random_scene(number, 20);
+    const ParallelView view = *parallel_view(scene.camera, scene.options.size, scene.content.display);
+    PreparedSelection prepared(scene.content, scene.selection, 2);
+    const Grid& grid = prepared.atlas->grid();
+    const reference::OpticalField field =
+        reference::optical_field(scene.content, scene.selection, view, false);
+    for (const Axis axis : kAxes) {
+      for (const int level : {1, 2, 3}) {
+        const CoarseSpans spans = coarse_spans(prepared, axis, level);
+        compared += spans.model().voxels;
+        expect_near(unpacked(spans.model(), coarse_grid(grid, level)), means_of(field, grid, level), 1e-5);
+      }
+    }
+  }
+  EXPECT_GT(compared, 5000u);
+}
+
+/// Blocks of a slab have one normal each, so that their means are exact.
+TEST(CoarseSpans, LightTheSharesOfBoundaryVoxels) {
+  TestVolume volume;
+  volume.grid.size = {33, 31, 24};
+  volume.structures = {
+      {"slab", make_mask(volume.grid.size, [](auto, auto, auto k) { return k > 4 && k < 19; })}};
+  const AtlasContent content = make_content(volume);
+  PreparedSelection prepared(content, selection_of("slab:volume(color=#ff8040)", content.graph));
+  const ParallelView view =
+      *parallel_view({.azimuth_deg = 35, .elevation_deg = 50}, {64, 64}, content.display);
+  const reference::OpticalField field = reference::optical_field(content, prepared.selection, view, true);
+  const std::vector<reference::VoxelOptics> expected = means_of(field, volume.grid, 1);
+  for (const Axis axis : kAxes) {
+    CoarseSpans spans = coarse_spans(prepared, axis, 1);
+    spans.light(view, Lighting(view), prepared.pool);
+    const Grid coarse = coarse_grid(volume.grid, 1);
+    const std::vector<reference::VoxelOptics> ours = unpacked(spans.model(), coarse);
+    // Normals of the slab's rim bend
+    std::uint64_t lit = 0;
+    for (std::int64_t k = 0; k < coarse.size[2]; ++k) {
+      const auto n = static_cast<std::size_t>(coarse.offset(8, 8, k));
+      ASSERT_NEAR(ours[n].emission[0], expected[n].emission[0], 1e-4 * expected[n].extinction) << k;
+      if (expected[n].emission[0] < 0.999 * expected[n].extinction) ++lit;
+    }
+    EXPECT_GE(lit, 2u);
+  }
+}
+
+TEST(CoarseGrid, CoversTheGridFromItsCorner) {
+  const Grid grid{{7, 8, 9}, {1, 2, 3}, {10, 20, 30}, {0, 1, 0, -1, 0, 0, 0, 0, 1}};
+  const Grid coarse = coarse_grid(grid, 2);
+  EXPECT_EQ(coarse.size, (Index3{2, 2, 3}));
+  EXPECT_EQ(coarse.spacing_mm, (Vec3{4, 8, 12}));
+  const Vec3 corner = index_to_lps_mm(grid).apply({-0.5, -0.5, -0.5});
+  const Vec3 of_coarse = index_to_lps_mm(coarse).apply({-0.5, -0.5, -0.5});
+  for (std::size_t a = 0; a < 3; ++a) EXPECT_NEAR(of_coarse[a], corner[a], 1e-12);
+}
+
+}  // namespace
+}  // namespace splatlas
