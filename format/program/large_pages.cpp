@@ -1,0 +1,34 @@
+// Large pages for the large arrays of a program: their page faults take a third of the time that reads and decodes
+// of a large atlas take. Replaces the allocation functions of the program that links it.
+#include <cstdint>
+#include <cstdlib>
+#include <new>
+
+#include <sys/mman.h>
+
+namespace {
+
+constexpr std::uintptr_t kLargePage = std::uintptr_t{2} << 20;
+
+/// A hint: systems without large pages refuse it.
+void expect_dense(void* memory, std::size_t bytes) {
+  const auto first = reinterpret_cast<std::uintptr_t>(memory);
+  const std::uintptr_t from = (first + kLargePage - 1) / kLargePage * kLargePage;
+  const std::uintptr_t to = (first + bytes) / kLargePage * kLargePage;
+  if (from < to) static_cast<void>(madvise(reinterpret_cast<void*>(from), to - from, MADV_HUGEPAGE));
+}
+
+}  // namespace
+
+void* operator new(std::size_t bytes) {
+  void* const memory = std::malloc(bytes > 0 ? bytes : 1);
+  if (memory == nullptr) throw std::bad_alloc();
+  if (bytes >= 2 * kLargePage) expect_dense(memory, bytes);
+  return memory;
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t /*bytes*/) noexcept {
+  std::free(memory);
+}
