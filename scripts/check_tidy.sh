@@ -3,13 +3,13 @@
 #   check_tidy.sh                      every source
 #   check_tidy.sh SOURCE...            these sources
 #   check_tidy.sh --changed-since REV  changes since the merge base of REV and HEAD, uncommitted ones included
-#   check_tidy.sh --recent             files of the newest commits, at most 60; for CI, whose fresh clone has no
+#   check_tidy.sh --recent             files of the newest commits, at most 40; for CI, whose fresh clone has no
 #                                      earlier state to compare with
 # A changed header is checked with a source that includes it. Without history, every source is checked.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-readonly recent_files=60
+readonly recent_files=40
 
 all_sources() { find format preprocess player bench -name '*.cpp' | sort; }
 

@@ -56,7 +56,7 @@ TEST(InstructionSets, AgreeWithTheScalarReferenceOnColin27) {
       "*", "*_L(profile=hard,low=40,high=160) + Cerebel*:surface(opacity=0.5)", "*(profile=thin)"};
   std::size_t seen = 0;
   for (std::size_t view = 0; view < views.size(); ++view) {
-    for (std::size_t mode = 0; mode < modes.size(); ++mode) {
+    for (const std::size_t mode : {view, (view + 2) % modes.size()}) {
       const Words common{"--size", "96x96", "--select", selections[(view + mode) % 3]};
       const Words options = joined(joined(common, views[view]), modes[mode]);
       const std::vector<float> reference = rendered(folder, "scalar", options);
@@ -70,7 +70,7 @@ TEST(InstructionSets, AgreeWithTheScalarReferenceOnColin27) {
       }
     }
   }
-  EXPECT_GT(seen, 100000u);
+  EXPECT_GT(seen, 40000u);
 }
 
 }  // namespace
