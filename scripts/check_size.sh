@@ -20,5 +20,5 @@ check() {
 
 check product 56600 format preprocess player schemas
 check tests 47100 tests
-check bench 8000 bench
+check bench 8300 bench
 exit "$bad"

@@ -77,6 +77,7 @@ packages_beside_player=(
   libdraco-dev             # bench: Draco, a peer of stored surfaces
   libvolpack1-dev          # bench: VolPack, a peer (as is VTK, above, which draws under xvfb)
 
+  invesalius-examples      # bench: a CT of a head
   mricron-data             # the Colin 27 brain: volume, AAL labels and names
   poppler-utils            # tests: text and pages of PDF
 )

@@ -1,5 +1,5 @@
 // Bench `scale`: growth of cost with the voxels of an atlas: none for a fixed selection, proportional for one
-// that grows.
+// that grows; a CT as large as a clinic's.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "bench/bench.h"
+#include "bench/benches/clinic_tables.h"
 #include "bench/experiments/grown_content.h"
 #include "bench/measure/frames.h"
 #include "bench/measure/measure.h"
@@ -226,6 +227,7 @@ Result<Report> run_scale_bench(const BenchOptions& options) {
   SPLATLAS_RETURN_IF_ERROR(growing.write(options));
   SPLATLAS_RETURN_IF_ERROR(add_same(growing, effort, options, report));
   SPLATLAS_RETURN_IF_ERROR(add_all(growing, effort, options, report));
+  SPLATLAS_RETURN_IF_ERROR(add_clinic(options, report));
   return report;
 }
 

@@ -1,0 +1,146 @@
+#include "bench/benches/clinic_tables.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "bench/measure/frames.h"
+#include "bench/measure/measure.h"
+#include "bench/measure/peak_memory.h"
+#include "bench/scenes/head_ct.h"
+#include "format/result_macros.h"
+#include "player/renderer.h"
+#include "tests/support/temporary_folder.h"
+
+namespace splatlas {
+namespace {
+
+constexpr double kBudgetMs = 33;  // of the window
+constexpr int kDrafts = 11, kFirstDrafts = 4;
+
+constexpr std::array kClinicScenes{
+    BenchScene{"volume", "Bone:volume + \"Soft tissue\":volume"},
+    BenchScene{"surfaces", "Bone:surface + \"Soft tissue\":surface"},
+    BenchScene{"mixed", "Bone:surface + \"Soft tissue\":volume(opacity=0.05)"}};
+
+/// Frames of a selection, from its first one on.
+struct PlayedDrafts {
+  Elapsed first, steady;  // from the opening of the file; median
+  RenderStats stats;      // of the last frame
+};
+
+Result<PlayedDrafts> play(const std::filesystem::path& path, const char* text, const Camera& camera,
+                          const RenderOptions& options) {
+  PlayedDrafts played;
+  Stopwatch watch;
+  SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, Atlas::open(path));
+  Renderer renderer(atlas);
+  SPLATLAS_ASSIGN_OR_RETURN(const Selection selection, Selection::parse(text, atlas->graph()));
+  SPLATLAS_RETURN_IF_ERROR(renderer.select(selection));
+  Frame frame;
+  SPLATLAS_RETURN_IF_ERROR(renderer.render(camera, options, frame));
+  played.first = watch.lap();
+  std::vector<Elapsed> times;
+  for (int n = -kFirstDrafts; n < kDrafts; ++n) {
+    Camera turned = camera;
+    turned.azimuth_deg += n;
+    watch.lap();
+    SPLATLAS_RETURN_IF_ERROR(renderer.render(turned, options, frame));
+    if (n >= 0) times.push_back(watch.lap());
+  }
+  played.steady = median(times);
+  played.stats = frame.stats;
+  return played;
+}
+
+Result<void> add_drafts(const std::filesystem::path& path, std::int64_t voxels, const BenchOptions& options,
+                        Report& report) {
+  Table table{"clinic",
+              "A head CT of 512 x 512 x 324 voxels: drafts of all threads",
+              {"budget_ms: 33 is the window's; 0: exact drafts",
+               "first: from opening the file to the picture; level: means of 2^level voxels along each axis",
+               "bytes_per_voxel: peak memory of the renderer, per voxel of the grid"}};
+  double first = 0, bytes = 0;
+  for (const BenchScene& scene : kClinicScenes) {
+    for (const PictureSize size : {PictureSize{512, 512}, PictureSize{1920, 1080}}) {
+      for (const double budget : {kBudgetMs, 0.0}) {
+        if (options.quick && (budget == 0 || size.width == 512)) continue;
+        options.tell(fmt::format("{}, {}x{}, budget {} ms", scene.name, size.width, size.height, budget));
+        SPLATLAS_ASSIGN_OR_RETURN(const PeakMemory memory, PeakMemory::start());
+        SPLATLAS_ASSIGN_OR_RETURN(
+            const PlayedDrafts played,
+            play(path, scene.selection, oblique_camera(),
+                 {.size = size, .quality = Quality::kDraft, .draft_budget_ms = budget}));
+        SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t grown, memory.grown_bytes());
+        const double per_voxel = static_cast<double>(grown) / static_cast<double>(voxels);
+        table.rows.push_back({{"scene", scene.name},
+                              {"size", fmt::format("{}x{}", size.width, size.height)},
+                              {"budget_ms", budget},
+                              {"first_ms", played.first.wall_ms},
+                              {"first_cpu_ms", played.first.cpu_ms},
+                              {"draft_ms", played.steady.wall_ms},
+                              {"draft_cpu_ms", played.steady.cpu_ms},
+                              {"level", played.stats.level},
+                              {"bytes_per_voxel", per_voxel}});
+        if (budget == 0 || size.width == 512) continue;
+        report.summary[fmt::format("clinic_draft_{}_ms", scene.name)] = played.steady.wall_ms;
+        first = std::max(first, played.first.wall_ms);
+        bytes = std::max(bytes, per_voxel);
+      }
+    }
+  }
+  report.summary["clinic_first_ms"] = first;
+  report.summary["clinic_bytes_per_voxel"] = bytes;
+  report.tables.push_back(std::move(table));
+  return {};
+}
+
+Result<void> add_growth(const std::filesystem::path& small, const std::filesystem::path& large,
+                        const BenchOptions& options, Report& report) {
+  Table table{"growth",
+              "One picture of 512x512, 8 times the voxels: steady drafts at the window's budget, all threads",
+              {"growth: CPU time over that of the CT as it is"}};
+  Camera perspective = oblique_camera();
+  perspective.projection = CameraProjection::kPerspective;
+  double largest = 0;
+  for (const auto& [name, text, camera] : {std::tuple("sheets", kClinicScenes[0].selection, oblique_camera()),
+                                           {"rays", kClinicScenes[0].selection, perspective},
+                                           {"surfaces", kClinicScenes[1].selection, oblique_camera()}}) {
+    options.tell(fmt::format("growth of {}", name));
+    const RenderOptions draft{.quality = Quality::kDraft, .draft_budget_ms = kBudgetMs};
+    SPLATLAS_ASSIGN_OR_RETURN(const PlayedDrafts unit, play(small, text, camera, draft));
+    SPLATLAS_ASSIGN_OR_RETURN(const PlayedDrafts grown, play(large, text, camera, draft));
+    const double growth = grown.steady.cpu_ms / unit.steady.cpu_ms;
+    table.rows.push_back({{"renderer", name},
+                          {"cpu_ms", unit.steady.cpu_ms},
+                          {"cpu_ms_8", grown.steady.cpu_ms},
+                          {"level_8", grown.stats.level},
+                          {"growth", growth}});
+    largest = std::max(largest, growth);
+  }
+  report.summary["all_growth_picture"] = largest;
+  report.tables.push_back(std::move(table));
+  return {};
+}
+
+}  // namespace
+
+Result<void> add_clinic(const BenchOptions& options, Report& report) {
+  if (std::error_code error; !std::filesystem::exists(head_ct_file(), error)) {
+    options.tell(fmt::format("{} is missing: no clinic table; install Debian's package invesalius-examples",
+                             head_ct_file().string()));
+    return {};
+  }
+  const TemporaryFolder folder;
+  SPLATLAS_ASSIGN_OR_RETURN(const auto clinic, open_head_ct({2, 2, 3}, folder.path(), options));
+  SPLATLAS_RETURN_IF_ERROR(
+      add_drafts(folder.path() / "2x2x3.atlas", clinic->grid().voxels(), options, report));
+  if (options.quick) return {};
+  SPLATLAS_RETURN_IF_ERROR(open_head_ct({1, 1, 1}, folder.path(), options).map([](const auto&) {}));
+  SPLATLAS_RETURN_IF_ERROR(open_head_ct({2, 2, 2}, folder.path(), options).map([](const auto&) {}));
+  return add_growth(folder.path() / "1x1x1.atlas", folder.path() / "2x2x2.atlas", options, report);
+}
+
+}  // namespace splatlas
