@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "format/result_macros.h"
 #include "player/write_png.h"
 
 namespace splatlas {
@@ -133,15 +134,15 @@ Result<void> RenderWorker::select(const FrameRequest& request) {
   return {};
 }
 
-Result<Frame> RenderWorker::render(const FrameRequest& request, Quality quality) {
-  if (auto selected = select(request); !selected) return tl::unexpected(std::move(selected).error());
+Result<void> RenderWorker::render(const FrameRequest& request, Quality quality, Frame& frame) {
+  SPLATLAS_RETURN_IF_ERROR(select(request));
   RenderOptions options;
   const int divisor = quality == Quality::kDraft ? draft_divisor_ : 1;
   options.size = {std::max(1, request.size.width / divisor), std::max(1, request.size.height / divisor)};
   options.quality = quality;
   options.depth_cue = request.depth_cue;
   options.draft_budget_ms = kDraftBudgetMs;
-  return renderer_.render(request.camera, options);
+  return renderer_.render(request.camera, options, frame);
 }
 
 /// Description of the first missing part, and the number of others.
@@ -174,9 +175,7 @@ bool RenderWorker::fit_camera(FrameRequest& request) {
 void RenderWorker::render_frame(FrameRequest request, Quality quality) {
   if (request.fit && !fit_camera(request)) return;
   const auto make_frame = [&]() -> Result<std::shared_ptr<const DisplayFrame>> {
-    Result<Frame> rendered = render(request, quality);
-    if (!rendered) return tl::unexpected(std::move(rendered).error());
-    latest_ = *std::move(rendered);
+    SPLATLAS_RETURN_IF_ERROR(render(request, quality, latest_));
     return std::make_shared<const DisplayFrame>(DisplayFrame{request, latest_.picture.size,
                                                              to_srgb8(latest_.picture, kBackground), quality,
                                                              latest_.stats, missing_text(latest_.missing)});
@@ -211,9 +210,9 @@ void RenderWorker::answer(const Point& point, PickPurpose purpose) {
 
 void RenderWorker::save_picture(const SaveJob& job) {
   Result<void> result = guarded([&]() -> Result<void> {
-    const Result<Frame> frame = render(job.request, Quality::kHigh);
-    if (!frame) return tl::unexpected(frame.error());
-    return write_png(frame->picture, job.path, kBackground);
+    Frame frame;
+    SPLATLAS_RETURN_IF_ERROR(render(job.request, Quality::kHigh, frame));
+    return write_png(frame.picture, job.path, kBackground);
   });
   push_event(PictureSaved{job.path, std::move(result)});
 }

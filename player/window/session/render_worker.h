@@ -120,7 +120,7 @@ class RenderWorker {
   [[nodiscard]] std::optional<PickPurpose> next_pick() const;
   void push_event(WorkerEvent event);
   [[nodiscard]] Result<void> select(const FrameRequest& request);
-  [[nodiscard]] Result<Frame> render(const FrameRequest& request, Quality quality);
+  [[nodiscard]] Result<void> render(const FrameRequest& request, Quality quality, Frame& frame);
   [[nodiscard]] std::string missing_text(const std::vector<MissingPart>& missing) const;
   [[nodiscard]] bool fit_camera(FrameRequest& request);
   void render_frame(FrameRequest request, Quality quality);
@@ -141,7 +141,7 @@ class RenderWorker {
   // Used by the worker's thread only.
   Renderer renderer_;
   std::shared_ptr<const Selection> selected_;
-  Frame latest_;  // for picks
+  Frame latest_;  // for picks; the next one reuses its memory
   int draft_divisor_ = 1;
   bool was_slow_ = false;  // the latest draft, since the divisor was raised
 

@@ -50,21 +50,40 @@ class SliceAverager {
         normals_(row_.size()),
         lit_(row_.size()) {}
 
-  void write(std::int64_t slice, SliceSpans& out) {
+  /// Gathers the runs of a slice of blocks, row by row. Returns an upper bound of its floats.
+  std::size_t gather(std::int64_t slice) {
+    runs_.clear();
+    std::size_t blocks = 0;
+    for (std::int64_t of = slice << level_; of < (slice + 1) << level_; ++of) {
+      request_.runs.for_each(of, [&](const ClassRun& run, std::uint32_t draw) {
+        runs_.push_back({run.row >> level_, of, run, draw});
+        blocks += (run.length >> level_) / kBlock + 3;
+      });
+    }
+    std::ranges::stable_sort(runs_, {}, &PlacedRun::row);
+    return blocks * kBlock * static_cast<std::size_t>(1 + model_.emissions);
+  }
+  /// Writes the slice of the gathered runs.
+  void write(SliceSpans& out) {
     SpanWriter writer(model_.emissions, out);
-    for (std::int64_t row = model_.row_first; row < model_.row_first + model_.rows; ++row) {
+    for (auto run = runs_.begin(); run != runs_.end();) {
+      const std::uint32_t row = run->row;
       first_ = row_.size();
       last_ = 0;
-      for (std::int64_t of = slice << level_; of < (slice + 1) << level_; ++of) {
-        request_.runs.for_each(of, row << level_, (row + 1) << level_,
-                               [&](const ClassRun& run, std::uint32_t draw) { add(of, run, draw); });
-      }
-      if (first_ < last_) write_row(row, writer);
+      for (; run != runs_.end() && run->row == row; ++run) add(run->slice, run->run, run->draw);
+      write_row(row, writer);
     }
     writer.finish();
   }
 
  private:
+  struct PlacedRun {
+    std::uint32_t row = 0;  // of blocks
+    std::int64_t slice = 0;
+    ClassRun run;
+    std::uint32_t draw = 0;
+  };
+
   /// Adds the voxels of a run to the sums of their blocks.
   void add(std::int64_t slice, const ClassRun& run, std::uint32_t draw) {
     constexpr std::uint32_t kAtOnce = 256;
@@ -148,6 +167,7 @@ class SliceAverager {
   const SpanModel& model_;
   const ScanOrder scan_;
   const std::vector<std::array<float, 3>>& normals_of_ = unit_normals();
+  std::vector<PlacedRun> runs_;
   // Of the current row, from block scan_first on; sums are zero outside [first_, last_).
   std::vector<Sums> row_;
   std::vector<PackedNormal> normals_;
@@ -190,19 +210,17 @@ CoarseSpans::CoarseSpans(const SpanRequest& request, int level, ThreadPool& pool
   }
 
   // Average slices in parallel
-  const std::int64_t row_blocks = scan.count / kBlock + 3;
-  const auto slice_floats =
-      static_cast<std::size_t>(rows.count * row_blocks * kBlock * (1 + model_.emissions));
-  check_memory(static_cast<double>(slice_floats * sizeof(float)) * static_cast<double>(model_.slices.size()));
-  arena_.expect(slice_floats * sizeof(float) * model_.slices.size());
+  const std::uint64_t voxels = request.plan.volume_voxels + request.plan.hybrid_voxels;
+  arena_.expect((voxels >> (3 * level)) * static_cast<std::uint64_t>(1 + model_.emissions) * sizeof(float));
   constexpr std::size_t kSlicesAtOnce = 4;
   pool.for_each((model_.slices.size() + kSlicesAtOnce - 1) / kSlicesAtOnce, [&](std::size_t job) {
     SliceAverager averager(request, level, model_);
     const std::size_t end = std::min(model_.slices.size(), (job + 1) * kSlicesAtOnce);
     for (std::size_t n = job * kSlicesAtOnce; n < end; ++n) {
       SliceSpans& slice = model_.slices[n];
-      slice.optics = arena_.lend(slice_floats);
-      averager.write(slice.number, slice);
+      check_task();
+      slice.optics = arena_.lend(averager.gather(slice.number));
+      averager.write(slice);
       arena_.settle(slice.optics);
     }
   });
