@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "format/result_macros.h"
 #include "player/write_png.h"
 
 namespace splatlas {
@@ -135,7 +134,7 @@ Result<void> RenderWorker::select(const FrameRequest& request) {
 }
 
 Result<void> RenderWorker::render(const FrameRequest& request, Quality quality, Frame& frame) {
-  SPLATLAS_RETURN_IF_ERROR(select(request));
+  if (auto selected = select(request); !selected) return selected;
   RenderOptions options;
   const int divisor = quality == Quality::kDraft ? draft_divisor_ : 1;
   options.size = {std::max(1, request.size.width / divisor), std::max(1, request.size.height / divisor)};
@@ -175,7 +174,8 @@ bool RenderWorker::fit_camera(FrameRequest& request) {
 void RenderWorker::render_frame(FrameRequest request, Quality quality) {
   if (request.fit && !fit_camera(request)) return;
   const auto make_frame = [&]() -> Result<std::shared_ptr<const DisplayFrame>> {
-    SPLATLAS_RETURN_IF_ERROR(render(request, quality, latest_));
+    if (auto rendered = render(request, quality, latest_); !rendered)
+      return tl::unexpected(std::move(rendered).error());
     return std::make_shared<const DisplayFrame>(DisplayFrame{request, latest_.picture.size,
                                                              to_srgb8(latest_.picture, kBackground), quality,
                                                              latest_.stats, missing_text(latest_.missing)});
@@ -211,7 +211,7 @@ void RenderWorker::answer(const Point& point, PickPurpose purpose) {
 void RenderWorker::save_picture(const SaveJob& job) {
   Result<void> result = guarded([&]() -> Result<void> {
     Frame frame;
-    SPLATLAS_RETURN_IF_ERROR(render(job.request, Quality::kHigh, frame));
+    if (auto rendered = render(job.request, Quality::kHigh, frame); !rendered) return rendered;
     return write_png(frame.picture, job.path, kBackground);
   });
   push_event(PictureSaved{job.path, std::move(result)});
