@@ -114,7 +114,6 @@ struct CommandLine {
     info = app.add_subcommand("info", "List grid, structures, counts and sizes");
     info->add_option("ATLAS", atlas, "atlas file")->required()->check(names_a_file());
     info->add_flag("--json", json, "as a JSON document");
-    add_max_work(*info, atlas_options.max_work);
     verify = app.add_subcommand("verify", "Check every byte of an atlas; stops at the first fault");
     verify->add_option("ATLAS", atlas, "atlas file")->required()->check(names_a_file());
     add_max_work(*verify, atlas_options.max_work);
