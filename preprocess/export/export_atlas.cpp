@@ -104,9 +104,12 @@ Result<std::string> export_labels(const AtlasContent& content, const Atlas& atla
   check_volumes(atlas.grid(), 2, bytes_of(content.label_type));
   SPLATLAS_RETURN_IF_ERROR(export_label_map(content, atlas.name(), options.labels));
   if (const auto left_out = structures_without_label(content); !left_out.empty()) {
-    notes.push_back(
-        fmt::format("{}: does not hold {} structures without a label: {}; --labels FOLDER/ writes masks",
-                    options.labels, left_out.size(), fmt::join(left_out, ", ")));
+    constexpr std::size_t kMaxListed = 10;
+    const auto listed = std::span(left_out).first(std::min(left_out.size(), kMaxListed));
+    notes.push_back(fmt::format(
+        "{}: leaves out structures without a label: {}{}; --labels FOLDER/ writes masks", options.labels,
+        fmt::join(listed, ", "),
+        left_out.size() > kMaxListed ? fmt::format(" and {} more", left_out.size() - kMaxListed) : ""));
   }
   return fmt::format("{}: labels, {}", options.labels, name_of(content.label_type));
 }

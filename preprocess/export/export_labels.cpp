@@ -230,17 +230,15 @@ Result<void> export_label_map(const AtlasContent& content, const std::string& na
 }
 
 std::vector<std::string> structures_without_label(const AtlasContent& content) {
+  std::vector<bool> holds(content.graph.size());
+  for (ClassId c = 0; c < content.classes.size(); ++c) {
+    if (content.classes.voxels(c) == 0) continue;
+    for (const Membership& m : content.classes.members(c))
+      holds[m.structure] = holds[m.structure] || m.holds();
+  }
   std::vector<std::string> names;
   for (StructureIndex s = 0; s < content.graph.size(); ++s) {
-    if (content.graph[s].label) continue;
-    const auto holds = [&](ClassId c) {
-      return content.classes.voxels(c) > 0 &&
-             std::ranges::any_of(content.classes.members(c),
-                                 [s](const Membership& m) { return m.structure == s && m.holds(); });
-    };
-    ClassId c = 0;
-    while (c < content.classes.size() && !holds(c)) ++c;
-    if (c < content.classes.size()) names.push_back(content.graph[s].name);
+    if (holds[s] && !content.graph[s].label) names.push_back(content.graph[s].name);
   }
   return names;
 }

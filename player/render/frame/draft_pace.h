@@ -13,15 +13,15 @@ struct VolumeDetail {
   friend bool operator==(const VolumeDetail&, const VolumeDetail&) = default;
 };
 
-/// Chooses the detail of each draft by the time of the latest one. First one sheet pixel per voxel, then
-/// means of ever more voxels, as wide as kMaxPixels at most.
+/// Chooses the detail of each draft by the time of the latest one: first one sheet pixel per voxel, then
+/// downsampled volumes.
 class DraftPace {
  public:
-  /// Width of a mean of voxels, in picture pixels.
+  /// Maximum width of a downsampled voxel, in picture pixels.
   static constexpr double kMaxPixels = 6;
 
-  /// Detail of the next draft. `voxel_pixels`: width of a voxel in picture pixels, the smallest one.
-  /// `has_voxels`: the spans of the voxels exist; else means are built in their place, if they may be shown.
+  /// Detail of the next draft. `voxel_pixels`: Shear::voxel_pixels(). `has_voxels`: the spans of the voxels
+  /// exist; else downsampled ones take their place, unless their voxels are too wide.
   [[nodiscard]] VolumeDetail next(double voxel_pixels, bool has_voxels) {
     max_ = 1;
     for (double width = 2 * voxel_pixels; width <= kMaxPixels && max_ < kMaxStep; width *= 2) ++max_;

@@ -146,15 +146,12 @@ SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& vie
     stats.select_ms += stats.traversal.wall_ms;
   };
   if (detail.level > 0) {
-    const bool current = means_ && means_->model().axis == axis && means_->level() == detail.level &&
-                         shaded_means_ == source.shade;
-    if (!current) {
+    if (!means_ || !means_->fit(axis, detail.level, source.shade)) {
       means_.reset();
       const SelectedRuns runs(source.plan, source.atlas.classes(), source.cache, axis);
       means_.emplace(SpanRequest{runs, source.plan, source.appearances, source.atlas.classes(), grid,
                                  source.cache, source.shade},
                      detail.level, pool);
-      shaded_means_ = source.shade;
     }
     built();
     means_->light(view, lighting, pool);

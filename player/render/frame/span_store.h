@@ -15,7 +15,7 @@
 
 namespace splatlas {
 
-/// What spans are made of: the decoded data of a selection.
+/// Decoded data of a selection, the input of its spans.
 struct SpanSource {
   const DrawPlan& plan;
   const VolumeAppearances& appearances;
@@ -24,10 +24,10 @@ struct SpanSource {
   bool shade = true;  ///< list boundary voxels for hybrid shading
 };
 
-/// The volume of a frame by sheets: spans of the voxels, or of their means.
+/// The volume of a frame by sheets: spans of the voxels, or of downsampled ones.
 struct SheetVolume {
   const SpanModel& spans;
-  const SelectedRuns* runs;  ///< of the spans; null for means
+  const SelectedRuns* runs;  ///< of the spans; null if downsampled
   Shear shear;               ///< of `grid`
   Grid grid;                 ///< of the spans
   VolumeDetail detail;
@@ -95,7 +95,6 @@ class SpanStore {
   std::array<std::optional<AxisSpans>, 3> spans_;
   Axis latest_ = Axis::kZ;
   std::optional<CoarseSpans> means_;  // of the current selection
-  bool shaded_means_ = false;
   DraftPace pace_;
 };
 

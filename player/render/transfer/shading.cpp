@@ -15,21 +15,21 @@ std::array<float, 3> normalised(const Vec3& v) {
 
 constexpr std::size_t kPackedNormals = 65536;
 
-/// Components of all packed normals, in arrays for SIMD.
-struct UnpackedNormals {
-  std::vector<float> x = std::vector<float>(kPackedNormals), y = x, z = x;
-
-  UnpackedNormals() {
-    for (std::size_t n = 0; n < kPackedNormals; ++n) {
-      const std::array<float, 3> normal = unpack_normal(static_cast<PackedNormal>(n));
-      x[n] = normal[0];
-      y[n] = normal[1];
-      z[n] = normal[2];
-    }
-  }
-};
-
 }  // namespace
+
+UnpackedNormals::UnpackedNormals() : x(kPackedNormals), y(kPackedNormals), z(kPackedNormals) {
+  for (std::size_t n = 0; n < kPackedNormals; ++n) {
+    const std::array<float, 3> normal = unpack_normal(static_cast<PackedNormal>(n));
+    x[n] = normal[0];
+    y[n] = normal[1];
+    z[n] = normal[2];
+  }
+}
+
+const UnpackedNormals& unpacked_normals() {
+  static const UnpackedNormals kNormals;
+  return kNormals;
+}
 
 Lighting::Lighting(const ParallelView& view) {
   Vec3 viewer{};
@@ -72,7 +72,7 @@ void Lighting::on_surfaces(std::size_t count, const std::array<const float*, 3>&
 }
 
 std::vector<float> Lighting::table() const {
-  static const UnpackedNormals normals;
+  const UnpackedNormals& normals = unpacked_normals();
   std::vector<float> factors(kPackedNormals);
   // The mirrored normal m = n - 2 min(0, n . v) v has m . l = n . l - 2 min(0, n . v) (v . l)
   const float twice_viewer_to_light = 2 * dot(to_viewer_, to_light_);

@@ -19,6 +19,14 @@ struct SurfaceShading {
   [[nodiscard]] float on(float color) const { return std::min(1.0f, color * diffuse + highlight); }
 };
 
+/// Components of all 65536 packed normals, in arrays for SIMD.
+struct UnpackedNormals {
+  std::vector<float> x, y, z;
+  UnpackedNormals();
+};
+/// Made once. Thread-safe.
+[[nodiscard]] const UnpackedNormals& unpacked_normals();
+
 /// One directional light over the viewer's left shoulder, Blinn-Phong (Blinn 1977). Normals need not have
 /// unit length. A zero or NaN normal counts as one towards the viewer.
 class Lighting {

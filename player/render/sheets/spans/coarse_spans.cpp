@@ -28,16 +28,6 @@ struct Sums {
   std::array<float, 3> normal{};
 };
 
-/// Unit vectors of all packed normals.
-const std::vector<std::array<float, 3>>& unit_normals() {
-  static const std::vector<std::array<float, 3>> kNormals = [] {
-    std::vector<std::array<float, 3>> normals(65536);
-    for (std::size_t n = 0; n < normals.size(); ++n) normals[n] = unpack_normal(static_cast<PackedNormal>(n));
-    return normals;
-  }();
-  return kNormals;
-}
-
 /// Builds the slices of blocks, one at a time.
 class SliceAverager {
  public:
@@ -105,8 +95,10 @@ class SliceAverager {
         for (std::size_t c = 0; c < 3; ++c) sums.emission[c] += whites[n] * look.color[c];
         if (!shaded) continue;
         sums.lit += whites[n];
-        const std::array<float, 3>& normal = normals_of_[request_.cache.normals()[voxel + n * step]];
-        for (std::size_t c = 0; c < 3; ++c) sums.normal[c] += whites[n] * normal[c];
+        const PackedNormal normal = request_.cache.normals()[voxel + n * step];
+        sums.normal[0] += whites[n] * unpacked_.x[normal];
+        sums.normal[1] += whites[n] * unpacked_.y[normal];
+        sums.normal[2] += whites[n] * unpacked_.z[normal];
       }
       voxel += count * step;
     }
@@ -139,11 +131,11 @@ class SliceAverager {
           const float sum = model_.emissions == 1 ? sums.white : sums.emission[static_cast<std::size_t>(c)];
           writer.emissions(first, c)[n - begin] = sum * per_voxel;
         }
-        normals_[n] = pack_normal(sums.normal);
+        if (sums.lit > 0) normals_[n] = pack_normal(sums.normal);
         const float share = sums.white > 0 ? sums.lit / sums.white : 0;
         lit_[n] = static_cast<std::uint16_t>(std::lround(std::min(share, 1.0f) * ShadedVoxel::kAllLit));
       }
-      list_shaded(begin, end, writer);
+      writer.shade(first, count, &normals_[begin], 1, &lit_[begin]);
       begin = end;
     }
     writer.end_row(row);
@@ -151,22 +143,11 @@ class SliceAverager {
               row_.begin() + static_cast<std::ptrdiff_t>(last_), Sums{});
   }
 
-  void list_shaded(std::size_t begin, std::size_t end, SpanWriter& writer) const {
-    for (std::size_t n = begin; n < end; ++n) {
-      if (lit_[n] == 0) continue;
-      std::size_t after = n;
-      while (after < end && lit_[after] > 0) ++after;
-      writer.shade(static_cast<std::uint32_t>(model_.scan_first + static_cast<std::int64_t>(n)),
-                   static_cast<std::uint32_t>(after - n), &normals_[n], 1, &lit_[n]);
-      n = after;
-    }
-  }
-
   const SpanRequest& request_;
   const int level_;
   const SpanModel& model_;
   const ScanOrder scan_;
-  const std::vector<std::array<float, 3>>& normals_of_ = unit_normals();
+  const UnpackedNormals& unpacked_ = unpacked_normals();
   std::vector<PlacedRun> runs_;
   // Of the current row, from block scan_first on; sums are zero outside [first_, last_).
   std::vector<Sums> row_;
@@ -189,7 +170,7 @@ Grid coarse_grid(const Grid& grid, int level) {
 }
 
 CoarseSpans::CoarseSpans(const SpanRequest& request, int level, ThreadPool& pool)
-    : level_(level), runs_(request.runs.count()) {
+    : level_(level), shaded_(request.shade), runs_(request.runs.count()) {
   // Set the model's frame and appearances
   const SelectedRuns& runs = request.runs;
   model_.axis = runs.axis();

@@ -16,8 +16,8 @@ namespace splatlas {
 /// The grid of blocks of 2^level voxels along each axis. Blocks at the end may reach beyond `grid`.
 [[nodiscard]] Grid coarse_grid(const Grid& grid, int level);
 
-/// Spans of the blocks of a selection: the means of the optical properties of their voxels, and normals
-/// weighted by emission. They need no spans of the voxels. Not thread-safe.
+/// Spans of a downsampled selection: for each block the average of the optical properties of its voxels, and
+/// of their normals, weighted by emission. They need no spans of the voxels. Not thread-safe.
 class CoarseSpans {
  public:
   /// Builds the spans, unshaded, in parallel. They take no more memory than those of the voxels. Cost: linear
@@ -28,12 +28,16 @@ class CoarseSpans {
   /// Hybrid shading: applies the lighting of `view` to boundary voxels if it has changed.
   void light(const ParallelView& view, const Lighting& lighting, ThreadPool& pool);
 
-  [[nodiscard]] int level() const { return level_; }
+  /// True for spans along `axis` of this level; `shade`: of a request that lists boundary voxels.
+  [[nodiscard]] bool fit(Axis axis, int level, bool shade) const {
+    return model_.axis == axis && level_ == level && shaded_ == shade;
+  }
   [[nodiscard]] std::uint64_t runs() const { return runs_; }  ///< that they are made of
   [[nodiscard]] const SpanModel& model() const { return model_; }
 
  private:
   int level_;
+  bool shaded_;
   std::uint64_t runs_;
   OpticalArena arena_;  // of the model
   SpanModel model_;

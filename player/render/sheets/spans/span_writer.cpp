@@ -134,13 +134,13 @@ void SpanWriter::end_span(std::size_t first_of_row) {
 void SpanWriter::list(const ShadedRun& run, std::size_t first_of_row) {
   std::size_t s = first_of_row;
   for (std::uint32_t n = 0; n < run.count; ++n) {
+    const std::uint16_t lit = run.lit == nullptr ? ShadedVoxel::kAllLit : run.lit[n];
+    if (lit == 0) continue;
     const std::uint32_t voxel = run.first + n;
     while (s < out_.spans.size() && block_of(voxel) >= out_.spans[s].first_block + out_.spans[s].blocks) ++s;
     if (s == out_.spans.size()) return;
     if (block_of(voxel) < out_.spans[s].first_block) continue;
-    ShadedVoxel shaded{
-        out_.place(out_.spans[s], voxel), run.normals[n * run.stride], ShadedVoxel::kAllLit, {}};
-    if (run.lit != nullptr) shaded.lit = run.lit[n];
+    ShadedVoxel shaded{out_.place(out_.spans[s], voxel), run.normals[n * run.stride], lit, {}};
     const float* const optics = out_.optics.data() + shaded.place;
     if (optics[0] <= 0) continue;
     for (int c = 0; c < out_.emissions; ++c)
