@@ -1,5 +1,5 @@
-// Large pages for the large arrays of a program: page faults of small ones can take more than half of the time
-// to open a large atlas. Replaces the allocation functions of the program that links it.
+// Large pages for the large arrays of a program: page faults of small ones can take more than half of the
+// time to open a large atlas. Replaces the allocation functions of the program that links it.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
