@@ -88,8 +88,11 @@ class Atlas {
   [[nodiscard]] Result<std::vector<std::byte>> read_values(ClassId c) const;
   /// Normals of a class with a boundary membership, in memory order; empty for other classes.
   [[nodiscard]] Result<std::vector<PackedNormal>> read_normals(ClassId c) const;
-  /// The surface of one structure; empty for a group.
-  [[nodiscard]] Result<SurfaceMesh> read_surface(StructureIndex s) const;
+  /// The surface of one structure; empty for a group. `level`: for drafts, that of blocks of 2^level voxels
+  /// along each axis (format/derive/coarse_surface.h), or the coarsest that keeps the structure's parts.
+  [[nodiscard]] Result<SurfaceMesh> read_surface(StructureIndex s, int level = 0) const;
+  /// True if its surface has coarser levels: it follows from voxels that are not scattered over their box.
+  [[nodiscard]] bool has_levels(StructureIndex s) const;
 
   /// Decodes the whole content for export and rewriting: exactly as written with SurfaceChoice::kAsInFile.
   [[nodiscard]] Result<AtlasContent> read_all() const;

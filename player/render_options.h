@@ -53,9 +53,9 @@ struct RenderOptions {
   ///   - Rays end where the nearest pixel centre meets an opaque surface: several times as fast; silhouettes
   ///     in the volume are rough by a pixel.
   ///   - After a draft that took longer, sheets have one pixel per voxel, and then volumes are drawn from
-  ///   means
-  ///     of 2^n voxels along each axis, at most 6 picture pixels wide.
-  ///   - So is the first draft of a volume that would take twice the budget to prepare.
+  ///     means of 2^n voxels along each axis, at most 6 picture pixels wide.
+  ///   - Surfaces are those of blocks of 2^n voxels, at most 2.4 pixels wide, or 6 after a late draft.
+  ///   - Means and blocks also stand in for what would take twice the budget to prepare.
   double draft_budget_ms = 0;
   bool hybrid_shading = true;  ///< shades boundary voxels of volumes by their normals
   /// Supersamples pixels at edges of surfaces: 1 sample in draft, 4 in normal, 8 in high quality. Pictures
@@ -108,6 +108,7 @@ struct RenderStats {
   std::uint64_t runs_visited = 0;    ///< runs of selected classes
   std::uint64_t voxels_visited = 0;  ///< splatted voxels, or voxels of the ray volume
   int level = 0;                     ///< splatted voxels are means of 2^level along each axis
+  int surface_level = 0;             ///< surfaces are those of blocks of 2^level voxels
   std::uint64_t triangles = 0;       ///< projected triangles
   double select_ms = 0, decode_ms = 0, render_ms = 0;
   /// Stages:

@@ -153,7 +153,8 @@ struct Renderer::Impl {
     // Decode the selection along the principal axis
     task.begin_stage(kDecoded);
     Stopwatch watch;
-    SPLATLAS_RETURN_IF_ERROR(decode(shear.principal, options));
+    stats.surface_level = decoded.surface_level(drawn.plan(), shear.voxel_pixels(), options, pool);
+    SPLATLAS_RETURN_IF_ERROR(decode(shear.principal, options, stats.surface_level));
     stats.decode_ms = std::exchange(fit_decode_ms, 0) + watch.lap().wall_ms;
 
     // Merge runs to spans, and light them
@@ -165,12 +166,13 @@ struct Renderer::Impl {
                       view.plane, shear, lighting, options, stats, pool);
 
     // Rasterise surfaces, render sheets, resolve both into the picture
-    const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
+    const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache(), stats.surface_level);
     const FrameScene scene = scene_of(call, surfaces, lighting);
     SheetFrame stages(scene, volume, buffers, stats, pool);
     SPLATLAS_RETURN_IF_ERROR(run_stages(stages, kSheetLoops, call, frame));
     stats.render_ms = watch.lap().wall_ms - (stats.select_ms - select_ms);
     spans.took(stats, options);
+    decoded.took(stats, options);
     return {};
   }
 
@@ -184,7 +186,7 @@ struct Renderer::Impl {
     stats.decode_ms = std::exchange(fit_decode_ms, 0) + watch.lap().wall_ms;
 
     // Build the ray volume, and light it
-    stats.level = 0;
+    stats.level = stats.surface_level = 0;
     task.begin_stage(kPrepared, 4);
     SPLATLAS_RETURN_IF_ERROR(require_ray_volume(options));
     stats.traversal = watch.lap();
@@ -195,7 +197,7 @@ struct Renderer::Impl {
     stats.traversal += light;
 
     // Rasterise surfaces, cast rays, resolve both into the picture
-    const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
+    const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache(), stats.surface_level);
     const FrameScene scene = scene_of(call, surfaces, lighting);
     RayFrame stages(scene, *ray_volume, buffers, stats, pool);
     SPLATLAS_RETURN_IF_ERROR(run_stages(stages, kRayLoops, call, frame));
@@ -205,9 +207,10 @@ struct Renderer::Impl {
   }
 
   /// Reads and decodes the parts of the plan that are not in the cache. Removes damaged parts from the plan.
-  [[nodiscard]] Result<void> decode(Axis axis, const RenderOptions& options) {
-    SPLATLAS_ASSIGN_OR_RETURN(std::optional<DrawPlan> rest,
-                              decoded.require(drawn.plan(), axis, options.hybrid_shading, pool));
+  [[nodiscard]] Result<void> decode(Axis axis, const RenderOptions& options, int surface_level = 0) {
+    SPLATLAS_ASSIGN_OR_RETURN(
+        std::optional<DrawPlan> rest,
+        decoded.require(drawn.plan(), axis, options.hybrid_shading, surface_level, pool));
     if (rest) draw(*std::move(rest));
     if (!decoded.missing().empty() && drawn.draws_nothing())
       return tl::unexpected(decoded.missing().front().error);
@@ -267,7 +270,7 @@ struct Renderer::Impl {
                                          double x, double y) {
     if (n < first_shown) return std::nullopt;
     if (rasterized != n) {
-      const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache());
+      const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache(), frame.surface_level);
       rasterized = 0;
       if (!rasterize_again(frame, surfaces, atlas->grid(), buffers, pool)) return std::nullopt;
       rasterized = n;

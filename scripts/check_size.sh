@@ -18,7 +18,7 @@ check() {
   fi
 }
 
-check product 56600 format preprocess player schemas
-check tests 47100 tests
+check product 57010 format preprocess player schemas
+check tests 47470 tests
 check bench 8300 bench
 exit "$bad"

@@ -1,9 +1,12 @@
 // Reading of surfaces and normals, stored or fitted to the voxels.
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <optional>
 #include <vector>
 
 #include "format/codec/surface_codec.h"
+#include "format/derive/coarse_surface.h"
 #include "format/derive/fit_surface.h"
 #include "format/file/fitted_content.h"
 #include "format/file/reader/atlas_impl.h"
@@ -89,6 +92,19 @@ Result<SurfaceMesh> Atlas::Impl::fit_surface_of(StructureIndex s) const {
                directory.graph[s].id, entry.vertices, entry.triangles, found);
 }
 
+/// Nothing if the structure has parts too thin for the level.
+Result<std::optional<SurfaceMesh>> Atlas::Impl::fit_coarse_surface(StructureIndex s, int level) const {
+  constexpr double kBytesPerBlock = 6, kBytesPerCoarseTriangle = 120;
+  const SurfaceEntry& entry = directory.surfaces[s];
+  const IndexBox box = box_of(directory.classes, structure_classes.of(s));
+  check_memory(kBytesPerBlock * Coverage::blocks(box, level) +
+               kBytesPerCoarseTriangle * std::ldexp(entry.triangles, -2 * level));
+  Coverage coverage(box, level);
+  SPLATLAS_RETURN_IF_ERROR(
+      read_parts(s, box, [&](const ClassRuns& runs, std::uint8_t) { coverage.add(runs, grid.size[1]); }));
+  return coarse_surface(coverage, grid);
+}
+
 Result<std::vector<PackedNormal>> Atlas::Impl::fit_normals_of(ClassId c) const {
   const StructureIndex owner = normal_owner(directory.classes.members(c));
   const IndexBox& box = directory.classes.box(c);
@@ -103,10 +119,20 @@ Result<std::vector<PackedNormal>> Atlas::Impl::fit_normals_of(ClassId c) const {
   return fit_normals(crop, runs, grid);
 }
 
-Result<SurfaceMesh> Atlas::read_surface(StructureIndex s) const {
+bool Atlas::has_levels(StructureIndex s) const {
+  const SurfaceEntry& entry = impl_->directory.surfaces[s];
+  const IndexBox box = box_of(classes(), impl_->structure_classes.of(s));
+  return is_fitted(entry) && !box.empty() && !fits_sparsely(box, entry.vertices);
+}
+
+Result<SurfaceMesh> Atlas::read_surface(StructureIndex s, int level) const {
   SPLATLAS_RETURN_IF_ERROR(impl_->check_structure(s));
   const SurfaceEntry& entry = impl_->directory.surfaces[s];
   const auto read = [&]() -> Result<SurfaceMesh> {
+    for (int of = has_levels(s) ? std::min(level, Coverage::kMaxLevel) : 0; of > 0; --of) {
+      SPLATLAS_ASSIGN_OR_RETURN(std::optional<SurfaceMesh> mesh, impl_->fit_coarse_surface(s, of));
+      if (mesh) return *std::move(mesh);
+    }
     if (is_fitted(entry)) return impl_->fit_surface_of(s);
     SPLATLAS_ASSIGN_OR_RETURN(const auto bytes,
                               impl_->read_stream(SectionKind::kSurfaces, impl_->surface_stream[s]));

@@ -6,6 +6,7 @@
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -59,6 +60,7 @@ struct Atlas::Impl {
   /// The rule by which a surface is derived: that of the file or of AtlasOptions.
   [[nodiscard]] SurfaceRule rule_of_surface(StructureIndex s) const;
   [[nodiscard]] Result<SurfaceMesh> fit_surface_of(StructureIndex s) const;
+  [[nodiscard]] Result<std::optional<SurfaceMesh>> fit_coarse_surface(StructureIndex s, int level) const;
   [[nodiscard]] Result<std::vector<PackedNormal>> fit_normals_of(ClassId c) const;
   /// The voxels of a group of classes.
   [[nodiscard]] Result<std::vector<ClassSpan>> read_spans(std::size_t group) const;

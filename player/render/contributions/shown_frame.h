@@ -23,6 +23,7 @@ struct ShownFrame {
   CutPlanes cuts = {};
   CapMode caps = CapMode::kNone;
   std::shared_ptr<const CutFaces> faces = nullptr;  ///< null: none
+  int surface_level = 0;
 };
 
 }  // namespace splatlas

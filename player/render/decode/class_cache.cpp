@@ -248,11 +248,12 @@ Result<void> ClassCache::decode(Missing& missing, Axis axis) const {
   return {};
 }
 
-Result<void> ClassCache::require_surfaces(std::span<const StructureIndex> structures, ThreadPool& pool) {
+Result<void> ClassCache::require_surfaces(std::span<const StructureIndex> structures, ThreadPool& pool,
+                                          int level) {
   failed_surfaces_.clear();
   std::vector<StructureIndex> missing;
   for (const StructureIndex s : structures) {
-    if (!surfaces_.contains(s)) missing.push_back(s);
+    if (!surfaces_[kept_level(s, level)].contains(s)) missing.push_back(s);
   }
   // Large ones first, for load balance
   std::ranges::stable_sort(missing, std::greater{}, [&](StructureIndex s) {
@@ -262,14 +263,14 @@ Result<void> ClassCache::require_surfaces(std::span<const StructureIndex> struct
   });
   std::vector<Result<DecodedSurface>> surfaces(missing.size());
   pool.for_each(missing.size(), [&](std::size_t n) {
-    surfaces[n] = atlas_->read_surface(missing[n]).map([&](SurfaceMesh&& mesh) {
+    surfaces[n] = atlas_->read_surface(missing[n], level).map([&](SurfaceMesh&& mesh) {
       SurfaceClusters clusters(mesh, atlas_->grid());
       return DecodedSurface{std::move(mesh), std::move(clusters)};
     });
   });
   for (std::size_t n = 0; n < missing.size(); ++n) {
     if (surfaces[n]) {
-      surfaces_.emplace(missing[n], std::move(*surfaces[n]));
+      surfaces_[kept_level(missing[n], level)].emplace(missing[n], std::move(*surfaces[n]));
     } else {
       failed_surfaces_.push_back({missing[n], std::move(surfaces[n]).error()});
     }

@@ -10,6 +10,7 @@
 
 #include "format/atlas_reader.h"
 #include "format/content/decision_tree.h"
+#include "format/derive/coarse_surface.h"
 #include "format/tasks/thread_pool.h"
 #include "player/missing_parts.h"
 #include "player/render/decode/scanline_runs.h"
@@ -51,8 +52,10 @@ class ClassCache {
   /// others become available. Returns the first failure.
   [[nodiscard]] Result<void> require(std::span<const ClassId> classes, Axis axis, ThreadPool& pool,
                                      bool normals = true);
-  /// The same for surfaces.
-  [[nodiscard]] Result<void> require_surfaces(std::span<const StructureIndex> structures, ThreadPool& pool);
+  /// The same for surfaces of a level of detail (Atlas::read_surface()).
+  [[nodiscard]] Result<void> require_surfaces(std::span<const StructureIndex> structures, ThreadPool& pool,
+                                              int level = 0);
+  [[nodiscard]] bool has_surface(StructureIndex s) const { return surfaces_[0].contains(s); }
   /// Failures of the latest require() and require_surfaces().
   [[nodiscard]] std::span<const FailedClass> failed_classes() const { return failed_classes_; }
   [[nodiscard]] std::span<const FailedSurface> failed_surfaces() const { return failed_surfaces_; }
@@ -63,8 +66,12 @@ class ClassCache {
   [[nodiscard]] std::size_t run_count(ClassId c, Axis axis) const {
     return *classes_.at(c).run_count[static_cast<std::size_t>(axis)];
   }
-  [[nodiscard]] const SurfaceMesh& surface(StructureIndex s) const { return surfaces_.at(s).mesh; }
-  [[nodiscard]] const SurfaceClusters& clusters(StructureIndex s) const { return surfaces_.at(s).clusters; }
+  [[nodiscard]] const SurfaceMesh& surface(StructureIndex s, int level = 0) const {
+    return decoded_surface(s, level).mesh;
+  }
+  [[nodiscard]] const SurfaceClusters& clusters(StructureIndex s, int level = 0) const {
+    return decoded_surface(s, level).clusters;
+  }
   /// Values in memory order of the grid; null for an atlas without values. Defined only at voxels of required
   /// classes.
   [[nodiscard]] const std::byte* values() const { return values_.data(); }
@@ -87,6 +94,13 @@ class ClassCache {
     SurfaceMesh mesh;
     SurfaceClusters clusters;
   };
+  /// The level as which a surface is kept.
+  [[nodiscard]] std::size_t kept_level(StructureIndex s, int level) const {
+    return level > 0 && atlas_->has_levels(s) ? static_cast<std::size_t>(level) : 0;
+  }
+  [[nodiscard]] const DecodedSurface& decoded_surface(StructureIndex s, int level) const {
+    return surfaces_[kept_level(s, level)].at(s);
+  }
   struct Missing;
   [[nodiscard]] std::vector<Missing> missing_of(std::span<const ClassId> classes, Axis axis,
                                                 bool normals) const;
@@ -99,7 +113,8 @@ class ClassCache {
   std::shared_ptr<const Atlas> atlas_;
   std::unordered_map<ClassId, DecodedClass> classes_;
   std::array<ScanlineRuns, 3> runs_;
-  std::unordered_map<StructureIndex, DecodedSurface> surfaces_;
+  std::array<std::unordered_map<StructureIndex, DecodedSurface>, Coverage::kMaxLevel + 1>
+      surfaces_;  // by level
   std::vector<FailedClass> failed_classes_;
   std::vector<FailedSurface> failed_surfaces_;
   SparseBytes values_;

@@ -4,15 +4,32 @@
 #include <utility>
 
 #include "format/result_macros.h"
+#include "player/render/frame/span_store.h"
 
 namespace splatlas {
 
+int DecodedSelection::surface_level(const DrawPlan& plan, double voxel_pixels, const RenderOptions& options,
+                                    const ThreadPool& pool) {
+  constexpr double kMsPerTriangle = 300e-6;  // to derive it, on one thread
+  if (!may_be_rough(options)) return 0;
+  double missing = 0;
+  for (const StructureIndex s : plan.surfaces) {
+    if (!cache_.has_surface(s) && atlas_->has_levels(s)) missing += static_cast<double>(atlas_->triangles(s));
+  }
+  return pace_.next(voxel_pixels, missing * kMsPerTriangle / pool.threads() <= 2 * options.draft_budget_ms);
+}
+
+void DecodedSelection::took(const RenderStats& stats, const RenderOptions& options) {
+  if (!may_be_rough(options) || stats.triangles == 0) return;
+  pace_.took(stats.rasterize.wall_ms, options.draft_budget_ms / (stats.voxels_visited > 0 ? 2 : 1));
+}
+
 Result<std::optional<DrawPlan>> DecodedSelection::require(const DrawPlan& plan, Axis axis, bool normals,
-                                                          ThreadPool& pool) {
+                                                          int surface_level, ThreadPool& pool) {
   const std::vector<ClassId> of_volume = volume_classes(plan);
   const Result<void> classes = cache_.require(of_volume, axis, pool, normals);
   if (!classes && cache_.failed_classes().empty()) return tl::unexpected(classes.error());
-  const Result<void> surfaces = cache_.require_surfaces(plan.surfaces, pool);
+  const Result<void> surfaces = cache_.require_surfaces(plan.surfaces, pool, surface_level);
   if (classes && surfaces) return std::nullopt;
 
   // Out of memory is no damage

@@ -9,6 +9,8 @@
 #include "player/missing_parts.h"
 #include "player/render/clip/face_classes.h"
 #include "player/render/decode/class_cache.h"
+#include "player/render/frame/draft_pace.h"
+#include "player/render_options.h"
 
 namespace splatlas {
 
@@ -17,11 +19,18 @@ class DecodedSelection {
  public:
   explicit DecodedSelection(std::shared_ptr<const Atlas> atlas) : atlas_(std::move(atlas)), cache_(atlas_) {}
 
+  /// Level of the surfaces of a plan in the next frame, for drafts within a budget. `voxel_pixels`:
+  /// Shear::voxel_pixels().
+  [[nodiscard]] int surface_level(const DrawPlan& plan, double voxel_pixels, const RenderOptions& options,
+                                  const ThreadPool& pool);
+  /// Records the times of the frame of the latest surface_level().
+  void took(const RenderStats& stats, const RenderOptions& options);
+
   /// Reads and decodes the uncached classes along `axis` and surfaces of a plan; `normals`: also the normals
   /// of boundary voxels. Lists damaged parts in missing(), and returns the plan without them; none if all
   /// parts are intact. kLimit when out of memory.
   [[nodiscard]] Result<std::optional<DrawPlan>> require(const DrawPlan& plan, Axis axis, bool normals,
-                                                        ThreadPool& pool);
+                                                        int surface_level, ThreadPool& pool);
   /// Reads and decodes uncached classes of faces of a cut, after the plan's. Lists damaged ones in missing(),
   /// with the structures of `faces` (by ClassId), and succeeds. kLimit when out of memory.
   [[nodiscard]] Result<void> require_faces(std::span<const FaceClass> faces, Axis axis, ThreadPool& pool);
@@ -36,6 +45,7 @@ class DecodedSelection {
 
   std::shared_ptr<const Atlas> atlas_;
   ClassCache cache_;
+  SurfacePace pace_;
   std::vector<MissingPart> missing_;
 };
 

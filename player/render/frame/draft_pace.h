@@ -2,6 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+
+#include "format/derive/coarse_surface.h"
 
 namespace splatlas {
 
@@ -44,6 +47,37 @@ class DraftPace {
   static double gain(int step) { return step == 0 ? 4 : 12; }
 
   int step_ = 0, max_ = 1;
+};
+
+/// Chooses the level of the surfaces of each draft: one whose silhouettes are exact within a pixel, or a
+/// coarser one by the time of the latest draft.
+class SurfacePace {
+ public:
+  /// Maximum widths of a block in picture pixels: for silhouettes within a pixel, after late drafts, and
+  /// while the surfaces of level 0 do not exist.
+  static constexpr double kFinePixels = 2.4, kMaxPixels = 6, kStandInPixels = 12;
+
+  /// Level of the next draft. `voxel_pixels`: Shear::voxel_pixels(). `is_ready`: the surfaces of level 0
+  /// exist; else those of level 1 take their place, unless their blocks are too wide.
+  [[nodiscard]] int next(double voxel_pixels, bool is_ready) {
+    const auto level_within = [voxel_pixels](double pixels) {
+      return std::clamp(std::ilogb(pixels / voxel_pixels), 0, Coverage::kMaxLevel);
+    };
+    min_ = level_within(kFinePixels);
+    max_ = level_within(kMaxPixels);
+    level_ = std::clamp(level_, min_, max_);
+    return is_ready || 2 * voxel_pixels > kStandInPixels ? level_ : std::max(level_, 1);
+  }
+
+  /// Records the time to draw the surfaces of the latest draft.
+  void took(double ms, double budget_ms) {
+    constexpr double kGain = 4;  // the time of a level over that of the next one, at most
+    for (; ms > budget_ms && level_ < max_; ++level_) ms /= kGain;
+    if (level_ > min_ && ms * kGain < budget_ms) --level_;
+  }
+
+ private:
+  int level_ = 0, min_ = 0, max_ = 0;
 };
 
 }  // namespace splatlas

@@ -52,11 +52,12 @@ class DrawnSelection {
   [[nodiscard]] std::uint64_t max_span_bytes() const { return max_span_bytes_; }
   [[nodiscard]] bool draws_nothing() const { return volume_classes(plan_).empty() && plan_.surfaces.empty(); }
 
-  /// Surfaces of the plan with their appearances. `cache` must hold them.
-  [[nodiscard]] std::vector<SurfaceDraw> surfaces(const ClassCache& cache) const {
+  /// Surfaces of the plan with their appearances. `cache` must hold them at the level.
+  [[nodiscard]] std::vector<SurfaceDraw> surfaces(const ClassCache& cache, int level) const {
     std::vector<SurfaceDraw> draws;
     for (const StructureIndex s : plan_.surfaces) {
-      draws.push_back(surface_draw(s, selection_.structures[s], cache.surface(s), cache.clusters(s)));
+      draws.push_back(
+          surface_draw(s, selection_.structures[s], cache.surface(s, level), cache.clusters(s, level)));
     }
     return draws;
   }

@@ -181,7 +181,8 @@ ShownFrame FrameRenderer::shown() const {
           raster_options(scene_.options, scene_.max_memory_bytes),
           scene_.options.cuts,
           scene_.options.caps,
-          scene_.faces};
+          scene_.faces,
+          stats_.surface_level};
 }
 
 Result<void> rasterize_again(const ShownFrame& frame, std::span<const SurfaceDraw> surfaces, const Grid& grid,

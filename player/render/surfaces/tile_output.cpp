@@ -87,41 +87,37 @@ void TileRasterizer::paint(float termination_threshold, const PaintedPicture& pi
 
 void TileRasterizer::paint_opaque_row(std::int32_t y, const PaintedPicture& picture,
                                       std::span<SurfacesSeen> seen) const {
-  // Interpolate normals, and light them all together
-  std::array<std::array<float, kStride>, 3> normals, colors;
-  std::array<float, kStride> opacities, diffuse, highlight;
-  const auto columns = static_cast<std::uint32_t>(tile_.x_last - tile_.x_first + 1);
+  const auto columns = static_cast<std::size_t>(tile_.x_last - tile_.x_first) + 1;
   const std::size_t first = static_cast<std::size_t>(y - tile_.y_first) * kStride;
-  for (std::size_t x = 0; x < columns; ++x) {
-    const bool is_covered = hiding_[first + x] < kNothingHidden;
-    opacities[x] = is_covered ? 1 : 0;
-    const std::array<float, 3> normal = is_covered ? normal_of(nearest_[first + x]) : std::array<float, 3>{};
-    const std::array<float, 3> color =
-        is_covered ? scene_->surfaces[nearest_[first + x].surface].color : std::array<float, 3>{};
-    for (std::size_t c = 0; c < 3; ++c) {
-      normals[c][x] = normal[c];
-      colors[c][x] = color[c];
-    }
-  }
-  scene_->lighting.on_surfaces(columns, {normals[0].data(), normals[1].data(), normals[2].data()},
-                               diffuse.data(), highlight.data());
-
-  // Write the row
   const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(scene_->size.width) +
                             static_cast<std::size_t>(tile_.x_first);
   float* const rgba = &picture.rgba[4 * pixel];
+  std::fill_n(rgba, 4 * columns, 0.0f);
+  if (!picture.depths.empty()) std::fill_n(&picture.depths[pixel], columns, kNothingHidden);
+  if (!seen.empty()) std::fill_n(&seen[pixel], columns, SurfacesSeen{});
+
+  // Interpolate the normals of covered pixels, and light them all together
+  std::array<std::uint32_t, kStride> covered;
+  std::array<std::array<float, kStride>, 3> normals;
+  std::array<float, kStride> diffuse, highlight;
+  std::size_t count = 0;
   for (std::size_t x = 0; x < columns; ++x) {
-    const SurfaceShading shading{diffuse[x], highlight[x]};
-    for (std::size_t c = 0; c < 3; ++c) rgba[4 * x + c] = shading.on(colors[c][x]) * opacities[x];
-    rgba[4 * x + 3] = opacities[x];
+    if (hiding_[first + x] == kNothingHidden) continue;
+    const std::array<float, 3> normal = normal_of(nearest_[first + x]);
+    for (std::size_t c = 0; c < 3; ++c) normals[c][count] = normal[c];
+    covered[count++] = static_cast<std::uint32_t>(x);
   }
-  for (std::size_t x = 0; x < columns && !picture.depths.empty(); ++x)
-    picture.depths[pixel + x] = opacities[x] > 0 ? nearest_[first + x].depth : kNothingHidden;
-  if (seen.empty()) return;
-  for (std::size_t x = 0; x < columns; ++x) {
-    seen[pixel + x] = {};
-    if (opacities[x] == 0) continue;
+  scene_->lighting.on_surfaces(count, {normals[0].data(), normals[1].data(), normals[2].data()},
+                               diffuse.data(), highlight.data());
+  for (std::size_t n = 0; n < count; ++n) {
+    const std::size_t x = covered[n];
     const Crossing& nearest = nearest_[first + x];
+    const std::array<float, 3>& color = scene_->surfaces[nearest.surface].color;
+    const SurfaceShading shading{diffuse[n], highlight[n]};
+    for (std::size_t c = 0; c < 3; ++c) rgba[4 * x + c] = shading.on(color[c]);
+    rgba[4 * x + 3] = 1;
+    if (!picture.depths.empty()) picture.depths[pixel + x] = nearest.depth;
+    if (seen.empty()) continue;
     seen[pixel + x].add(side_of(nearest), 1,
                         {nearest.depth, {rgba[4 * x], rgba[4 * x + 1], rgba[4 * x + 2], 1}, kNoStructure});
   }

@@ -11,7 +11,7 @@ namespace splatlas {
 namespace {
 
 /// Classes of up to three random structures, with random counts.
-ClassTable random_classes(std::size_t structures, std::mt19937& random) {
+ClassTable random_class_table(std::size_t structures, std::mt19937& random) {
   ClassTable classes;
   for (std::size_t n = 0; n < 2 * structures; ++n) {
     std::vector<Membership> members;
@@ -28,7 +28,7 @@ RC_GTEST_PROP(SubtreeCounts, EqualSetsOfDescendants, ()) {
   auto random = *random_source();
   const auto structures = *rc::gen::inRange<std::size_t>(1, 200);  // more than a batch
   const StructureGraph graph = random_graph(structures, random);
-  const ClassTable classes = random_classes(structures, random);
+  const ClassTable classes = random_class_table(structures, random);
   std::vector<std::uint64_t> triangles(structures);
   for (std::uint64_t& n : triangles) n = below(1000, random);
   const std::vector<SubtreeCounts> counts =

@@ -1,5 +1,8 @@
 #include "player/render/frame/draft_pace.h"
 
+#include <algorithm>
+#include <tuple>
+
 #include <gtest/gtest.h>
 
 namespace splatlas {
@@ -38,6 +41,32 @@ TEST(DraftPace, MeansStandInForVoxelsThatTakeLongToPrepare) {
   EXPECT_EQ(pace.next(2, false), (VolumeDetail{1, 1}));
   EXPECT_EQ(pace.next(2, true), (VolumeDetail{0, 2}));
   EXPECT_EQ(pace.next(9, false), (VolumeDetail{0, 2})) << "too wide";
+}
+
+TEST(SurfacePace, SilhouettesAreExactWithinAPixelUnlessDraftsAreLate) {
+  for (const auto& [voxel_pixels, fine, coarse] : {std::tuple(0.01, 5, 5),
+                                                   {0.3, 3, 4},
+                                                   {0.6, 2, 3},
+                                                   {1.2, 1, 2},
+                                                   {1.3, 0, 2},
+                                                   {3.0, 0, 1},
+                                                   {3.1, 0, 0}}) {
+    SurfacePace pace;
+    EXPECT_EQ(pace.next(voxel_pixels, true), fine) << voxel_pixels;
+    pace.took(1e9, kBudget);
+    EXPECT_EQ(pace.next(voxel_pixels, true), coarse) << voxel_pixels;
+    pace.took(0, kBudget);
+    EXPECT_EQ(pace.next(voxel_pixels, true), std::max(coarse - 1, fine)) << voxel_pixels;
+  }
+}
+
+TEST(SurfacePace, LevelOneStandsInForSurfacesThatTakeLongToDerive) {
+  SurfacePace pace;
+  EXPECT_EQ(pace.next(2, false), 1);
+  pace.took(20, kBudget);
+  EXPECT_EQ(pace.next(2, true), 0);
+  EXPECT_EQ(pace.next(9, false), 0) << "too wide";
+  EXPECT_EQ(pace.next(0.5, false), 2);
 }
 
 }  // namespace
