@@ -124,8 +124,9 @@ struct RenderStats {
 /// Resources of a renderer.
 struct RendererOptions {
   unsigned threads = 0;  ///< 0: one per core. Pictures do not depend on it.
-  /// Limit for decoded voxels, spans, fragments and the picture. 0: three quarters of physical memory, or of
-  /// the process's limit (RLIMIT_AS, RLIMIT_DATA) if that is lower.
+  /// Limit for decoded parts, spans, fragments and the picture. A new selection first drops the decoded parts
+  /// of earlier ones if both might exceed it. 0: half of physical memory, or of the process's limit
+  /// (RLIMIT_AS, RLIMIT_DATA) if that is lower.
   std::uint64_t max_memory_bytes = 0;
 };
 

@@ -62,7 +62,7 @@ struct Renderer::Impl {
                   voxels, bytes >> 20, max_memory_bytes >> 20);
     }
     drawn.select(selection, bytes);
-    decoded.forget_missing();
+    if (decoded.begin(max_memory_bytes - bytes)) spans.clear();
     stats = {};
     fit_decode_ms = 0;
     draw(std::move(plan));

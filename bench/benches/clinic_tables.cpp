@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -9,6 +10,9 @@
 #include "bench/measure/frames.h"
 #include "bench/measure/measure.h"
 #include "bench/measure/peak_memory.h"
+#include "bench/peers/vtk_peer.h"
+#include "bench/peers/x_server.h"
+#include "bench/scenes/error_scenes.h"
 #include "bench/scenes/head_ct.h"
 #include "format/result_macros.h"
 #include "player/renderer.h"
@@ -55,15 +59,73 @@ Result<PlayedDrafts> play(const std::filesystem::path& path, const char* text, c
   return played;
 }
 
+/// The content with grey values of 8 bits, black to white over the display's window: VTK's copy has 8.
+Result<AtlasContent> read_with_8_bits(const std::filesystem::path& path) {
+  SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, Atlas::open(path));
+  SPLATLAS_ASSIGN_OR_RETURN(AtlasContent content, atlas->read_all());
+  const std::size_t voxels = content.values.bytes.size() / sizeof(std::int16_t);
+  VoxelBuffer greys{VoxelType::kUInt8, std::vector<std::byte>(voxels)};
+  const double low = content.display.window_low, width = content.display.window_high - low;
+  std::transform(
+      content.values.as<std::int16_t>(), content.values.as<std::int16_t>() + voxels, greys.bytes.begin(),
+      [&](std::int16_t value) {
+        return static_cast<std::byte>(std::lround(255 * std::clamp((value - low) / width, 0.0, 1.0)));
+      });
+  content.values = std::move(greys);
+  content.display.window_low = 0;
+  content.display.window_high = 255;
+  return content;
+}
+
+/// Median time of a frame of 1920x1080 by VTK: a ray caster on the CPU with VTK's sample distance of 1 mm,
+/// and surfaces on the display's OpenGL.
+Result<double> vtk_frame_ms(const AtlasContent& content, const BenchScene& scene) {
+  const PictureSize size{1920, 1080};
+  VtkPeer vtk(size);
+  SPLATLAS_ASSIGN_OR_RETURN(const Selection selection, Selection::parse(scene.selection, content.graph));
+  const auto is_volume = [](const StructureDraw& draw) { return draw.mode == DrawMode::kVolume; };
+  if (std::ranges::any_of(selection.structures, is_volume)) {
+    SPLATLAS_ASSIGN_OR_RETURN(const ErrorModel model, error_model(content, scene.selection));
+    vtk.add_volume(model.volume, model.appearance, VtkVolumeMapper::kFixedPoint, 1);
+    vtk.shade_volumes(true);
+  }
+  for (StructureIndex s = 0; s < selection.structures.size(); ++s) {
+    if (selection.structures[s].mode == DrawMode::kSurface)
+      vtk.add_surface(content.surfaces[s], storage_grid(content), {0.8, 0.8, 0.8}, 1);
+  }
+  std::vector<double> times;
+  for (int n = -1; n < 5; ++n) {
+    Camera camera = oblique_camera();
+    camera.azimuth_deg += n;
+    SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view, parallel_view(camera, size, content.display));
+    Stopwatch watch;
+    vtk.render(view);
+    if (n >= 0) times.push_back(watch.lap().wall_ms);
+  }
+  return median(times);
+}
+
 Result<void> add_drafts(const std::filesystem::path& path, std::int64_t voxels, const BenchOptions& options,
                         Report& report) {
   Table table{"clinic",
               "A head CT of 512 x 512 x 324 voxels: drafts of all threads",
               {"budget_ms: 33 is the window's; 0: exact drafts",
                "first: from opening the file to the picture; level: means of 2^level voxels along each axis",
-               "bytes_per_voxel: peak memory of the renderer, per voxel of the grid"}};
-  double first = 0, bytes = 0;
-  for (const BenchScene& scene : kClinicScenes) {
+               "surface_level: surfaces of blocks of 2^surface_level voxels",
+               "bytes_per_voxel: peak memory of the renderer, per voxel of the grid",
+               "vtk_ms: a frame by VTK, volumes on the CPU, surfaces on Mesa's OpenGL"}};
+  double first = 0, bytes = 0, over_vtk = 0;
+  std::array<double, kClinicScenes.size()> vtk_ms{};
+  if (!options.quick) {
+    SPLATLAS_ASSIGN_OR_RETURN(const XServer display, start_x_server());
+    SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, read_with_8_bits(path));
+    for (std::size_t n = 0; n < vtk_ms.size(); ++n) {
+      options.tell(fmt::format("{} by VTK", kClinicScenes[n].name));
+      SPLATLAS_ASSIGN_OR_RETURN(vtk_ms[n], vtk_frame_ms(content, kClinicScenes[n]));
+    }
+  }
+  for (std::size_t n = 0; n < kClinicScenes.size(); ++n) {
+    const BenchScene& scene = kClinicScenes[n];
     for (const PictureSize size : {PictureSize{512, 512}, PictureSize{1920, 1080}}) {
       for (const double budget : {kBudgetMs, 0.0}) {
         if (options.quick && (budget == 0 || size.width == 512)) continue;
@@ -83,8 +145,12 @@ Result<void> add_drafts(const std::filesystem::path& path, std::int64_t voxels, 
                               {"draft_ms", played.steady.wall_ms},
                               {"draft_cpu_ms", played.steady.cpu_ms},
                               {"level", played.stats.level},
+                              {"surface_level", played.stats.surface_level},
                               {"bytes_per_voxel", per_voxel}});
-        if (budget == 0 || size.width == 512) continue;
+        if (size.width == 512) continue;
+        if (!options.quick) table.rows.back()["vtk_ms"] = vtk_ms[n];
+        if (budget == 0) continue;
+        if (!options.quick) over_vtk = std::max(over_vtk, played.steady.wall_ms / vtk_ms[n]);
         report.summary[fmt::format("clinic_draft_{}_ms", scene.name)] = played.steady.wall_ms;
         first = std::max(first, played.first.wall_ms);
         bytes = std::max(bytes, per_voxel);
@@ -93,6 +159,7 @@ Result<void> add_drafts(const std::filesystem::path& path, std::int64_t voxels, 
   }
   report.summary["clinic_first_ms"] = first;
   report.summary["clinic_bytes_per_voxel"] = bytes;
+  if (!options.quick) report.summary["clinic_draft_over_vtk"] = over_vtk;
   report.tables.push_back(std::move(table));
   return {};
 }

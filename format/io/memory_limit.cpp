@@ -23,7 +23,7 @@ std::uint64_t machine_memory() {
 }
 
 std::uint64_t default_memory_limit() {
-  return machine_memory() / 4 * 3;
+  return machine_memory() / 2;
 }
 
 }  // namespace splatlas

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <concepts>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -105,6 +106,20 @@ inline CLI::Option* add_threads(CLI::App& app, unsigned& threads, const std::str
   return app.add_option("--threads", threads, help)
       ->check(CLI::Range(0u, kMaxThreads).description(""))
       ->capture_default_str();
+}
+
+/// Binds --memory, in MiB, to a number of bytes.
+inline CLI::Option* add_memory(CLI::App& app, std::uint64_t& bytes) {
+  constexpr int kMiBBits = 20;
+  constexpr std::uint64_t kMinMiB = 16, kMaxMiB = std::uint64_t{1} << 30;
+  const auto parse = [](std::string_view text) -> std::optional<std::uint64_t> {
+    const auto mib = parse_number<std::uint64_t>(text);
+    if (!mib || *mib < kMinMiB || *mib > kMaxMiB) return std::nullopt;
+    return *mib << kMiBBits;
+  };
+  return add_parsed(app, "--memory", bytes, parse,
+                    fmt::format("must be a number of MiB from {} to {}", kMinMiB, kMaxMiB),
+                    "MiB that decoded parts and pictures may take; half of the machine's if not given");
 }
 
 /// Binds --max-work to the factor of AtlasOptions.

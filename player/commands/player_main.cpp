@@ -70,7 +70,8 @@ Result<void> render_picture(const RenderRequest& request) {
 #ifdef SPLATLAS_HAS_WINDOW
 /// Shows an atlas until the user closes the window. SDL2, OpenGL and Dear ImGui are in a module, so that the
 /// other commands do not depend on them.
-Result<void> open_window(const std::filesystem::path& path, unsigned threads, const AtlasOptions& options) {
+Result<void> open_window(const std::filesystem::path& path, const RendererOptions& renderer,
+                         const AtlasOptions& options) {
   // Never unloaded: OpenGL drivers leave threads and exit handlers behind.
   void* module = dlopen(kWindowModule, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   void* function = module != nullptr ? dlsym(module, kShowWindowName) : nullptr;
@@ -81,12 +82,13 @@ Result<void> open_window(const std::filesystem::path& path, unsigned threads, co
   }
   std::array<char, 2048> error{};
   const auto show = reinterpret_cast<ShowWindow>(function);
-  const int code = show(path.c_str(), threads, options.max_work, error.data(), error.size());
+  const int code = show(path.c_str(), renderer.threads, renderer.max_memory_bytes, options.max_work,
+                        error.data(), error.size());
   if (code == kWindowClosed) return {};
   return fail(static_cast<ErrorCode>(code), error.data());
 }
 #else
-Result<void> open_window(const std::filesystem::path& path, unsigned /*threads*/,
+Result<void> open_window(const std::filesystem::path& path, const RendererOptions& /*renderer*/,
                          const AtlasOptions& /*options*/) {
   return fail(ErrorCode::kUsage, "{}: this player was built without a window; use 'render'", path.string());
 }
@@ -96,7 +98,7 @@ Result<void> open_window(const std::filesystem::path& path, unsigned /*threads*/
 struct CommandLine {
   CLI::App app{kDescription, "splatlas-player"};
   std::filesystem::path atlas;  // argument of all commands except render
-  unsigned window_threads = 0;
+  RendererOptions window_renderer;
   AtlasOptions atlas_options;  // of all commands except render
   bool json = false;
   RenderRequest request;
@@ -108,7 +110,8 @@ struct CommandLine {
     app.set_version_flag("--version", kVersion);
     app.get_formatter()->column_width(28);
     app.add_option("ATLAS", atlas, "atlas file to open in a window")->check(names_a_file());
-    add_threads(app, window_threads, "0: one per core");
+    add_threads(app, window_renderer.threads, "0: one per core");
+    add_memory(app, window_renderer.max_memory_bytes);
     add_max_work(app, atlas_options.max_work);
     render = add_render(app, request);
     info = app.add_subcommand("info", "List grid, structures, counts and sizes");
@@ -159,7 +162,7 @@ Result<void> run_command(const CommandLine& line) {
   const bool is_word = !line.atlas.has_parent_path() && !line.atlas.has_extension();
   if (is_word && !std::filesystem::exists(line.atlas, ignored))
     return no_command_or_atlas(line.app, line.atlas);
-  return open_window(line.atlas, line.window_threads, line.atlas_options);
+  return open_window(line.atlas, line.window_renderer, line.atlas_options);
 }
 
 Result<void> run(int argc, char** argv) {

@@ -316,7 +316,8 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
                                "a .jpg picture has no transparency; write .png, .tif or .exr");
   });
   add_annotations(*command, request.page);
-  add_threads(*command, request.threads, "0: one per core; the picture does not depend on it");
+  add_threads(*command, request.renderer.threads, "0: one per core; the picture does not depend on it");
+  add_memory(*command, request.renderer.max_memory_bytes);
   add_surfaces(*command, request.atlas_options.surfaces,
                "surfaces that follow from the voxels; as in the atlas if not given");
   add_max_work(*command, request.atlas_options.max_work);
@@ -357,7 +358,7 @@ Result<RenderReport> run_render(const RenderRequest& request) {
   SPLATLAS_ASSIGN_OR_RETURN(report.warnings, selection_warnings(terms, *atlas));
   Camera camera = request.camera;
   SPLATLAS_ASSIGN_OR_RETURN(camera.center_lps_mm, center_of(request.center, *atlas));
-  Renderer renderer(atlas, {.threads = request.threads});
+  Renderer renderer(atlas, request.renderer);
   SPLATLAS_RETURN_IF_ERROR(renderer.select(*selection));
 
   // Render and write

@@ -22,7 +22,7 @@ struct RenderRequest {
   Camera camera;
   FrameCenter center;
   PageOptions page;
-  unsigned threads = 0;
+  RendererOptions renderer;
   AtlasOptions atlas_options;
   std::filesystem::path stats;  ///< JSON file; empty: none
   std::filesystem::path ids;    ///< id image; empty: none

@@ -124,7 +124,7 @@ class Window {
 
 /// Opens an atlas, shows it in a window, and returns when the user closes the window. Sleeps between events.
 /// Errors of Atlas::open(), kFailed without a display, and kInvalidAtlas if pictures lacked damaged parts.
-Result<void> run_window(const std::filesystem::path& path, unsigned threads, double max_work) {
+Result<void> run_window(const std::filesystem::path& path, const RendererOptions& renderer, double max_work) {
   auto atlas = Atlas::open(path, {.max_work = max_work});
   if (!atlas) return tl::unexpected(std::move(atlas).error());
   auto log = SessionLog::from_environment();
@@ -132,7 +132,7 @@ Result<void> run_window(const std::filesystem::path& path, unsigned threads, dou
   const auto host = WindowHost::open(fmt::format("{} - Splatlas", path.filename().string()));
   if (!host) return tl::unexpected(host.error());
   Session session(
-      *std::move(atlas), {.threads = threads}, [&] { (*host)->wake(); }, *std::move(log));
+      *std::move(atlas), renderer, [&] { (*host)->wake(); }, *std::move(log));
   Window(**host, session).run();
   if (session.missing().empty()) return {};
   return fail(ErrorCode::kInvalidAtlas, fmt::format("{}: damaged; was shown without what is missing: {}",
@@ -143,9 +143,10 @@ Result<void> run_window(const std::filesystem::path& path, unsigned threads, dou
 }  // namespace splatlas
 
 extern "C" __attribute__((visibility("default"))) int splatlas_show_window(const char* path, unsigned threads,
+                                                                           std::uint64_t max_memory_bytes,
                                                                            double max_work, char* error,
                                                                            std::size_t error_size) try {
-  if (const auto result = splatlas::run_window(path, threads, max_work); !result) {
+  if (const auto result = splatlas::run_window(path, {threads, max_memory_bytes}, max_work); !result) {
     *fmt::format_to_n(error, error_size - 1, "{}", result.error().message).out = '\0';
     return static_cast<int>(result.error().code);
   }

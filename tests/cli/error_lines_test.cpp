@@ -156,6 +156,8 @@ TEST_F(ErrorLines, OfRender) {
   refuses({"--select", "#3"}, "a.atlas: selection", "the nearest: #2 (\"Sphere 2\"), #1", 4);
   refuses({"--select", "#x"}, "selection \"#x\"", "not a label");
   refuses({"--select", "Sph\xff\xfe"}, "a.atlas: ", "\"Sph\\xff\\xfe\"", 4);
+  refuses({"--memory", "15"}, "--memory \"15\"", "must be a number of MiB from 16 to 1073741824");
+  refuses({"--memory", "1e3"}, "--memory \"1e3\"", "must be a number of MiB from 16 to 1073741824");
   refuses({"--max-work", "nan"}, "--max-work \"nan\"", "must be a number from 0.001 to 1e9");
   refuses({"--max-work", "0.0005"}, "--max-work \"0.0005\"", "must be a number from 0.001 to 1e9");
   refuses({"--classify", "never"}, "--classify \"never\"", "before or after");

@@ -46,6 +46,32 @@ TEST(Renderer, CountsVoxelsByRole) {
   }
 }
 
+/// Within a tight limit, a new selection drops what earlier ones decoded; the picture is the same.
+TEST(Renderer, DropsEarlierSelectionsAboveTheMemoryLimit) {
+  TestVolume volume;
+  volume.grid.size = {128, 128, 64};
+  volume.structures = {{"left", box_mask(volume.grid.size, {4, 4, 4}, {60, 120, 60})},
+                       {"right", box_mask(volume.grid.size, {64, 4, 4}, {120, 120, 60})}};
+  const AtlasContent content = make_content(volume);
+  const auto bytes = encode_atlas(content);
+  ASSERT_TRUE(bytes);
+  const auto decoded_again = [&](std::uint64_t max_memory_bytes, Picture& picture) {
+    const auto atlas = *Atlas::open_bytes(*bytes);
+    Renderer renderer(atlas, {1, max_memory_bytes});
+    std::uint64_t before = 0;
+    for (const char* text : {"left:surface", "right:surface", "left:surface"}) {
+      before = atlas->counters().decoded;
+      EXPECT_TRUE(renderer.select(selection_of(text, content.graph)));
+      picture = frame_or_throw(renderer, {}, {.size = {64, 64}}).picture;
+    }
+    return atlas->counters().decoded - before;
+  };
+  Picture with_room, without;
+  EXPECT_EQ(decoded_again(0, with_room), 0u);
+  EXPECT_GT(decoded_again(std::uint64_t{8} << 20, without), 0u);
+  EXPECT_EQ(with_room.rgba, without.rgba);
+}
+
 /// Bytes read and decoded equal those of an atlas asked for exactly the selected parts.
 TEST(Renderer, ReadsNothingOfWhatIsNotSelected) {
   TestVolume volume;

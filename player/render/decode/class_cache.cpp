@@ -137,6 +137,21 @@ double ClassCache::memory_of(std::span<const Missing> missing, Axis axis, bool n
          voxels * sizeof(ShadedVoxel);
 }
 
+std::uint64_t ClassCache::bytes() const {
+  constexpr std::uint64_t kBytesPerTriangle = 76;  // of mesh and clusters, with half a vertex
+  std::uint64_t bytes = 0;
+  for (const auto& [id, decoded] : classes_) {
+    const std::uint64_t of_voxel =
+        (decoded.has_values ? value_bytes() : 0) + (decoded.has_normals ? sizeof(PackedNormal) : 0);
+    bytes += of_voxel * atlas_->classes().voxels(id);
+    for (const auto& runs : decoded.run_count) bytes += runs.value_or(0) * sizeof(ClassRun);
+  }
+  for (const auto& level : surfaces_) {
+    for (const auto& [s, surface] : level) bytes += surface.mesh.triangles.size() * kBytesPerTriangle;
+  }
+  return bytes;
+}
+
 Result<void> ClassCache::reserve(std::span<const Missing> missing) {
   const auto voxels = static_cast<std::size_t>(atlas_->grid().voxels());
   std::uint64_t new_voxels = 0;

@@ -60,6 +60,9 @@ class ClassCache {
   [[nodiscard]] std::span<const FailedClass> failed_classes() const { return failed_classes_; }
   [[nodiscard]] std::span<const FailedSurface> failed_surfaces() const { return failed_surfaces_; }
 
+  /// Approximate bytes of everything decoded.
+  [[nodiscard]] std::uint64_t bytes() const;
+
   /// The runs of all classes that have been required for an axis.
   [[nodiscard]] const ScanlineRuns& runs(Axis axis) const { return runs_[static_cast<std::size_t>(axis)]; }
   /// Number of runs, surface and its clusters; the class, axis or structure must have been required.

@@ -8,6 +8,13 @@
 
 namespace splatlas {
 
+bool DecodedSelection::begin(std::uint64_t bytes) {
+  missing_.clear();
+  if (cache_.bytes() <= bytes) return false;
+  cache_ = ClassCache(atlas_);
+  return true;
+}
+
 int DecodedSelection::surface_level(const DrawPlan& plan, double voxel_pixels, const RenderOptions& options,
                                     const ThreadPool& pool) {
   constexpr double kMsPerTriangle = 300e-6;  // to derive it, on one thread

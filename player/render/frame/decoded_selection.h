@@ -34,8 +34,9 @@ class DecodedSelection {
   /// Reads and decodes uncached classes of faces of a cut, after the plan's. Lists damaged ones in missing(),
   /// with the structures of `faces` (by ClassId), and succeeds. kLimit when out of memory.
   [[nodiscard]] Result<void> require_faces(std::span<const FaceClass> faces, Axis axis, ThreadPool& pool);
-  /// Clears missing(), so that require() tries these parts again. For a new selection.
-  void forget_missing() { missing_.clear(); }
+  /// Begins a new selection: clears missing(), so that require() tries these parts again. If all decoded
+  /// parts take more than `bytes`, drops them and returns true.
+  bool begin(std::uint64_t bytes);
 
   [[nodiscard]] const ClassCache& cache() const { return cache_; }
   [[nodiscard]] const std::vector<MissingPart>& missing() const { return missing_; }
