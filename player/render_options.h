@@ -54,7 +54,7 @@ struct RenderOptions {
   ///     in the volume are rough by a pixel.
   ///   - After a draft that took longer, sheets have one pixel per voxel, and then volumes are drawn from
   ///     means of 2^n voxels along each axis, at most 6 picture pixels wide.
-  ///   - Surfaces are those of blocks of 2^n voxels, at most 2.4 pixels wide, or 6 after a late draft.
+  ///   - Surfaces are those of blocks of 2^n voxels, at most 3 pixels wide, or 6 after a late draft.
   ///   - Means and blocks also stand in for what would take twice the budget to prepare.
   double draft_budget_ms = 0;
   bool hybrid_shading = true;  ///< shades boundary voxels of volumes by their normals

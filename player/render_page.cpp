@@ -46,20 +46,20 @@ std::vector<NamedStructure> structures_of(const Frame& frame, const Renderer& re
 }  // namespace
 
 struct PageRenderer::Impl {
-  Impl(const std::filesystem::path& path, PageOptions page_options, FontFiles font_files)
+  Impl(const std::filesystem::path& path, PageOptions page_options)
       : options(std::move(page_options)),
-        fonts(std::move(font_files)),
         encoder(path),
-        drawer(fonts),
         measure([this](std::string_view text, double size, FontStyle style) {
-          return drawer.width(text, size, style);
+          return drawer->width(text, size, style);
         }),
-        keeps_alpha(PictureEncoder::is_linear(path)) {}
+        keeps_alpha(PictureEncoder::is_linear(path)) {
+    if (options.items.any()) drawer.emplace(options.font);
+  }
 
   [[nodiscard]] bool names_structures() const { return options.items.labels || options.items.legend; }
 
   [[nodiscard]] AnnotationOptions annotation_options(const Provenance& provenance) const {
-    return {options.items, options.max_labels, options.caption.value_or(printable(provenance.title)),
+    return {options.items, options.max_labels, printable(options.caption.value_or(provenance.title)),
             printable(provenance.citation), options.dpi};
   }
 
@@ -96,7 +96,7 @@ struct PageRenderer::Impl {
     if (names_structures()) {
       SPLATLAS_ASSIGN_OR_RETURN(scene.structures, structures_of_draft(renderer, whole, decode_ms));
     }
-    SPLATLAS_RETURN_IF_ERROR(drawer.wait());
+    SPLATLAS_RETURN_IF_ERROR(drawer->wait());
     return region_of_figure(scene, annotation_options(renderer.atlas().provenance()), measure);
   }
 
@@ -126,20 +126,31 @@ struct PageRenderer::Impl {
     SPLATLAS_ASSIGN_OR_RETURN(const View view, view_of(camera, options.render.size, atlas.display()));
     AnnotatedScene scene{frame.picture, view, keeps_alpha ? std::nullopt : options.background};
     if (names_structures()) scene.structures = structures_of(frame, renderer);
-    SPLATLAS_RETURN_IF_ERROR(drawer.wait());
+    SPLATLAS_RETURN_IF_ERROR(drawer->wait());
     const AnnotationOptions content = annotation_options(atlas.provenance());
     SPLATLAS_ASSIGN_OR_RETURN(AnnotationLayer layer, annotate_picture(scene, content, measure));
     if (options.items.caption && content.caption.empty())
       layer.notes.emplace_back("the atlas has no title; give a caption with --caption TEXT");
+    note_missing_glyphs(layer);
     if (options.items.citation && content.citation.empty())
       layer.notes.emplace_back("the atlas has no citation; build it with --citation TEXT");
     return layer;
   }
 
+  /// Notes the first text whose letters no font has.
+  void note_missing_glyphs(AnnotationLayer& layer) const {
+    const auto lacks = [this](const PlacedText& text) { return drawer->lacks_glyphs(text.text); };
+    const auto first = std::ranges::find_if(layer.texts, lacks);
+    if (first == layer.texts.end()) return;
+    const auto others = std::count_if(first + 1, layer.texts.end(), lacks);
+    layer.notes.push_back(fmt::format(
+        "no font has all letters of \"{}\"{}; install one, such as fonts-noto, or take --font FILE",
+        first->text, others > 0 ? fmt::format(" and {} other texts", others) : ""));
+  }
+
   PageOptions options;
-  FontFiles fonts;
   PictureEncoder encoder;
-  TextDrawer drawer;
+  std::optional<TextDrawer> drawer;  // of annotations
   MeasureText measure;
   bool keeps_alpha;
   std::string title;  // of the document
@@ -153,16 +164,15 @@ PageRenderer& PageRenderer::operator=(PageRenderer&&) noexcept = default;
 Result<PageRenderer> PageRenderer::create(const std::filesystem::path& path, PageOptions options) {
   SPLATLAS_RETURN_IF_ERROR(PictureEncoder::check_ending(path));
   SPLATLAS_RETURN_IF_ERROR(PictureEncoder::check_size(path, options.render.size, options.background));
-  FontFiles fonts;
-  if (options.items.any()) {
-    SPLATLAS_ASSIGN_OR_RETURN(fonts, find_fonts(options.font));
-  }
-  return PageRenderer(std::make_unique<Impl>(path, std::move(options), std::move(fonts)));
+  std::error_code ignored;
+  if (!options.font.empty() && !std::filesystem::is_regular_file(options.font, ignored))
+    return fail(ErrorCode::kFailed, "{}: is no font file; give a .ttf or .otf file", options.font.string());
+  return PageRenderer(std::make_unique<Impl>(path, std::move(options)));
 }
 
 Result<Page> PageRenderer::render(Renderer& renderer, const Camera& camera, const RenderControl& control) {
   const PageOptions& options = impl_->options;
-  impl_->title = options.caption.value_or(renderer.atlas().provenance().title);
+  impl_->title = printable(options.caption.value_or(renderer.atlas().provenance().title));
   double decode_ms = 0;
   Page page;
   SPLATLAS_ASSIGN_OR_RETURN(page.camera, impl_->fit(renderer, camera, decode_ms));
@@ -175,8 +185,9 @@ Result<Page> PageRenderer::render(Renderer& renderer, const Camera& camera, cons
 
 Result<std::vector<std::byte>> PageRenderer::encode(Page& page) {
   const PageOptions& options = impl_->options;
-  FileAnnotations annotations{nullptr, &impl_->drawer, impl_->fonts, impl_->title, options.dpi};
+  FileAnnotations annotations{nullptr, nullptr, impl_->title, options.dpi};
   if (options.items.any()) {
+    annotations.drawer = &*impl_->drawer;
     annotations.layer = &page.annotations;
     annotations.dpi = annotation_dpi({.dpi = options.dpi}, options.render.size);
   }

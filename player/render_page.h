@@ -26,7 +26,7 @@ struct PageOptions {
   std::optional<std::string> caption = std::nullopt;  ///< not set: the title of the atlas
   /// Pixels per inch in print. Not set: the short side has 160 mm, but labels have at least 11 pixels.
   std::optional<double> dpi = std::nullopt;
-  std::filesystem::path font = {};  ///< empty: Liberation Sans or DejaVu Sans
+  std::filesystem::path font = {};  ///< file to prefer to Liberation Sans and DejaVu Sans; empty: none
 };
 
 /// A rendered page.
@@ -41,7 +41,7 @@ struct Page {
 class PageRenderer {
  public:
   /// Prepares for a file of this name (see write_picture()); writes nothing. kUsage for an unknown extension
-  /// and for pictures that the format cannot hold; kFailed without a font for the annotations.
+  /// and for pictures that the format cannot hold; kFailed if the font is no file.
   [[nodiscard]] static Result<PageRenderer> create(const std::filesystem::path& path, PageOptions options);
   ~PageRenderer();
   PageRenderer(PageRenderer&&) noexcept;

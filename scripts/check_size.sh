@@ -18,7 +18,7 @@ check() {
   fi
 }
 
-check product 57010 format preprocess player schemas
-check tests 47470 tests
-check bench 8300 bench
+check product 57080 format preprocess player schemas
+check tests 47610 tests
+check bench 8340 bench
 exit "$bad"

@@ -18,7 +18,7 @@ packages=(
   build-essential          # compiler and linker
   cmake                    # build system, tests, installation
   ninja-build              # the presets' generator
-  pkg-config               # finds xxHash, Cairo and Dear ImGui; tests: splatlas.pc
+  pkg-config               # finds xxHash, Pango and Dear ImGui; tests: splatlas.pc
 
   libexpected-dev          # tl::expected, the type of every result
   libflatbuffers-dev       # directory of the atlas file
@@ -32,8 +32,8 @@ packages=(
   libcli11-dev             # command lines
   libhwy-dev               # player: portable SIMD
   libpng-dev               # player: PNG
-  libcairo2-dev            # player: PDF
-  libfreetype-dev          # player: fonts of PDF
+  libpango1.0-dev          # player: text of annotations, PDF
+  fonts-dejavu-core        # player: text of annotations in Arabic, Hebrew and others
   fonts-liberation         # player: text of annotations
   libopenimageio-dev       # player: JPEG, TIFF and EXR
   libopencv-core-dev       # include folder of OpenImageIO's CMake package, which does not depend on it

@@ -43,6 +43,7 @@ constexpr std::array kUnsafeRanges{
     CharacterRange{0x2028, 0x202e},    // separators, embeddings and overrides
     CharacterRange{0x2060, 0x206f},    // word joiner, invisible operators, isolates
     CharacterRange{0x3164, 0x3164},    // Hangul filler
+    CharacterRange{0xfdd0, 0xfdef},    // noncharacters
     CharacterRange{0xfe00, 0xfe0f},    // variation selectors
     CharacterRange{0xfeff, 0xfeff},    // byte order mark
     CharacterRange{0xffa0, 0xffa0},    // halfwidth Hangul filler
@@ -93,7 +94,8 @@ bool equal_ignoring_case(std::string_view a, std::string_view b) {
 
 bool is_unsafe_to_show(std::uint32_t c) {
   const auto* const range = std::ranges::lower_bound(kUnsafeRanges, c, {}, &CharacterRange::second);
-  return range != kUnsafeRanges.end() && c >= range->first;
+  const bool is_noncharacter = (c & 0xfffe) == 0xfffe;
+  return is_noncharacter || (range != kUnsafeRanges.end() && c >= range->first);
 }
 
 std::string fault_of_text(std::string_view text) {

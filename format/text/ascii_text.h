@@ -44,9 +44,9 @@ template <typename Number>
 }
 
 /// Characters that change a terminal, reorder text, or show nothing: control characters with line feed and
-/// tab, line and paragraph separators, interlinear annotations, and Unicode's properties Bidi_Control and
-/// Default_Ignorable_Code_Point (zero-width space, variation selectors, tags). Not the joiners U+200C and
-/// U+200D, which Persian and Indic words need.
+/// tab, line and paragraph separators, interlinear annotations, noncharacters, and Unicode's properties
+/// Bidi_Control and Default_Ignorable_Code_Point (zero-width space, variation selectors, tags). Not the
+/// joiners U+200C and U+200D, which Persian and Indic words need.
 [[nodiscard]] bool is_unsafe_to_show(std::uint32_t c);
 
 /// Describes the first fault of a text, as the end of a sentence: invalid UTF-8, is_control() or

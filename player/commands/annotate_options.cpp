@@ -74,7 +74,7 @@ void add_annotations(CLI::App& command, PageOptions& options) {
     return text.empty() ? std::nullopt : std::optional<std::filesystem::path>(text);
   };
   needs_it(add_parsed(command, "--font", options.font, font, "must name a file",
-                      "font file of the annotations; default: Liberation Sans, or DejaVu Sans"));
+                      "font file of the annotations; others stand in for letters that it lacks"));
   const auto dpi = [](std::string_view text) { return number_within<double>(text, kMinDpi, kMaxDpi); };
   add_parsed(command, "--dpi", options.dpi, dpi,
              fmt::format("must be a number from {} to {}", kMinDpi, kMaxDpi),

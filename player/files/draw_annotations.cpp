@@ -109,10 +109,10 @@ double stroke_coverage(const PlacedLine& line, double width, int x, int y) {
 }
 
 Result<void> draw_annotations(Picture& picture, const AnnotationLayer& layer, std::optional<Rgb> background,
-                              const TextDrawer& drawer) {
+                              const TextDrawer* drawer) {
   std::vector<TextCoverage> texts;
   for (const PlacedText& text : layer.texts) {
-    SPLATLAS_ASSIGN_OR_RETURN(TextCoverage drawn, drawer.draw(text));
+    SPLATLAS_ASSIGN_OR_RETURN(TextCoverage drawn, drawer->draw(text));
     texts.push_back(std::move(drawn));
   }
 

@@ -12,7 +12,6 @@
 #include "format/result_macros.h"
 #include "player/files/draw_annotations.h"
 #include "player/files/load_module.h"
-#include "player/files/pdf_module.h"
 #include "player/files/svg_document.h"
 #include "player/write_png.h"
 
@@ -81,11 +80,15 @@ Result<Bytes> encode_svg(const Picture& picture, std::optional<Rgb> background,
   return Bytes(bytes.begin(), bytes.end());
 }
 
-Result<Bytes> encode_pdf(void* function, const Picture& picture, std::optional<Rgb> background,
+Result<Bytes> encode_pdf(TextDrawer& drawer, const Picture& picture, std::optional<Rgb> background,
                          const FileAnnotations& annotations) {
+  SPLATLAS_RETURN_IF_ERROR(drawer.wait());
   const AnnotationLayer none;
-  PdfPage page{picture.size, document_dpi(annotations), {},
-               {},           annotations.title,         annotations.layer ? annotations.layer : &none};
+  PdfPage page{picture.size,
+               document_dpi(annotations),
+               {},
+               annotations.title,
+               annotations.layer ? annotations.layer : &none};
   if (background) {
     const std::vector<std::uint8_t> srgb = to_srgb8(picture, *background);
     page.rgba.assign(srgb.size() / 3 * 4, 255);
@@ -93,12 +96,7 @@ Result<Bytes> encode_pdf(void* function, const Picture& picture, std::optional<R
   } else {
     page.rgba = to_srgba8(picture);
   }
-  for (std::size_t n = 0; n < page.fonts.size(); ++n) page.fonts[n] = annotations.fonts[n].string();
-  Bytes bytes;
-  std::string error;
-  reinterpret_cast<EncodePdf>(function)(page, bytes, error);
-  if (!error.empty()) return fail(ErrorCode::kFailed, error);
-  return bytes;
+  return drawer.encode_pdf(page);
 }
 
 }  // namespace
@@ -123,11 +121,9 @@ Result<Bytes> encode_pixels(void* function, const PixelsToEncode& pixels) {
 
 PictureEncoder::PictureEncoder(std::filesystem::path path)
     : path_(std::move(path)), ending_(known_ending(path_)) {
-  if (ending_.empty() || ending_ == ".png" || ending_ == ".svg") return;
-  module_ = std::async(std::launch::async, [is_pdf = ending_ == ".pdf"] {
-    return is_pdf ? load_function(kPdfModule, kEncodePdfName, "Cairo")
-                  : load_function(kPictureModule, kEncodePixelsName, "OpenImageIO");
-  });
+  if (ending_ != ".jpg" && ending_ != ".tif" && ending_ != ".exr") return;
+  module_ = std::async(std::launch::async,
+                       [] { return load_function(kPictureModule, kEncodePixelsName, "OpenImageIO"); });
 }
 
 bool PictureEncoder::is_opaque(const std::filesystem::path& path) {
@@ -165,12 +161,14 @@ Result<Bytes> PictureEncoder::encode_file(Picture& picture, std::optional<Rgb> b
                                           const FileAnnotations& annotations) {
   if (ending_ == ".svg") return encode_svg(picture, background, annotations);
   if (ending_ == ".pdf") {
-    SPLATLAS_ASSIGN_OR_RETURN(void* const function, module_.get());
-    return encode_pdf(function, picture, background, annotations);
+    if (annotations.drawer != nullptr)
+      return encode_pdf(*annotations.drawer, picture, background, annotations);
+    TextDrawer drawer({});
+    return encode_pdf(drawer, picture, background, annotations);
   }
   if (annotations.layer != nullptr) {
     const std::optional<Rgb> under = ending_ == ".exr" ? std::nullopt : background;
-    SPLATLAS_RETURN_IF_ERROR(draw_annotations(picture, *annotations.layer, under, *annotations.drawer));
+    SPLATLAS_RETURN_IF_ERROR(draw_annotations(picture, *annotations.layer, under, annotations.drawer));
   }
   if (ending_ == ".png") {
     SPLATLAS_ASSIGN_OR_RETURN(Bytes png, encode_png(picture, background));

@@ -24,8 +24,7 @@ namespace splatlas {
 /// Annotations of a file, with everything to draw them.
 struct FileAnnotations {
   const AnnotationLayer* layer = nullptr;    ///< none: without annotations
-  const TextDrawer* drawer = nullptr;        ///< for pictures of pixels
-  FontFiles fonts = {};                      ///< for .pdf
+  TextDrawer* drawer = nullptr;              ///< ready, if there is a layer
   std::string title = {};                    ///< of the document, .pdf only
   std::optional<double> dpi = std::nullopt;  ///< pixels per inch in print; stored in all files but .exr
 };
@@ -33,7 +32,7 @@ struct FileAnnotations {
 /// Encodes one picture as .png, .jpg, .tif (8-bit sRGB), .exr (float, linear, premultiplied), or as .svg or
 /// .pdf, with annotations as vectors. libpng writes PNG, OpenImageIO other pixels, Cairo PDF. OpenImageIO
 /// depends on about 260 libraries, which take 0.2 s to load, longer than rendering most pictures. It is in a
-/// module of its own, loaded on demand and concurrently with rendering; so is Cairo.
+/// module of its own, loaded on demand and concurrently with rendering; so are Pango and Cairo.
 class PictureEncoder {
  public:
   /// Prepares for a file of this name, and begins to load the module if needed.

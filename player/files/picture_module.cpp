@@ -1,6 +1,5 @@
 #include "player/files/picture_module.h"
 
-#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <memory>
@@ -8,8 +7,6 @@
 #include <vector>
 
 #include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imagebuf.h>
-#include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
 
 namespace {
@@ -74,42 +71,6 @@ extern "C" __attribute__((visibility("default"))) int splatlas_encode_pixels(
     return 1;
   }
   take(context, bytes.data(), bytes.size());
-  return 0;
-} catch (const std::exception& exception) {
-  report(error, error_size, exception.what());
-  return 1;
-}
-
-// Draws through FreeType.
-extern "C" __attribute__((visibility("default"))) int splatlas_draw_text(const splatlas::TextToDraw* text,
-                                                                         splatlas::TextExtents* extents,
-                                                                         splatlas::TakeCoverage take,
-                                                                         void* context, char* error,
-                                                                         std::size_t error_size) try {
-  const OIIO::ROI ink = OIIO::ImageBufAlgo::text_size(text->text, text->size, text->font);
-  *extents = {0, 0, 0, 0};
-  if (!ink.defined()) {
-    if (std::string(text->text).find_first_not_of(' ') == std::string::npos) return 0;
-    report(error, error_size, std::string(text->font) + ": cannot be read as a font");
-    return 1;
-  }
-  *extents = {std::min(ink.xbegin, 0), ink.ybegin, ink.xend, ink.yend};
-  if (take == nullptr) return 0;
-
-  // The image begins at the ink's top left corner
-  OIIO::ImageSpec spec(extents->right - extents->left, extents->bottom - extents->top, 1,
-                       OIIO::TypeDesc::FLOAT);
-  OIIO::ImageBuf image(spec);
-  OIIO::ImageBufAlgo::zero(image);
-  const float full = 1;
-  if (!OIIO::ImageBufAlgo::render_text(image, -extents->left, -extents->top, text->text, text->size,
-                                       text->font, OIIO::cspan<float>(&full, 1))) {
-    report(error, error_size, image.geterror());
-    return 1;
-  }
-  std::vector<float> coverage(spec.image_pixels());
-  image.get_pixels(image.roi(), OIIO::TypeDesc::FLOAT, coverage.data());
-  take(context, extents, coverage.data());
   return 0;
 } catch (const std::exception& exception) {
   report(error, error_size, exception.what());

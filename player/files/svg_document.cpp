@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include <fmt/format.h>
+#include <utf8cpp/utf8.h>
 
 #include "format/text/ascii_text.h"
 
@@ -29,6 +30,21 @@ std::string base64(std::span<const std::byte> bytes) {
     }
   }
   return text;
+}
+
+/// True if the first letter of a text is of a script from right to left.
+bool is_right_to_left(std::string_view text) {
+  const auto is_letter = [](std::uint32_t c) {
+    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= 0xaa && c != 0xd7 && c < 0x2000) ||
+           c >= 0x2c00;
+  };
+  for (auto at = text.begin(); at != text.end();) {
+    const std::uint32_t c = utf8::unchecked::next(at);
+    if (!is_letter(c)) continue;
+    return (c >= 0x590 && c <= 0x8ff) || (c >= 0xfb1d && c <= 0xfdff) || (c >= 0xfe70 && c <= 0xfeff) ||
+           (c >= 0x10800 && c <= 0x10fff) || (c >= 0x1e800 && c <= 0x1efff);
+  }
+  return false;
 }
 
 /// XML text: control characters, which XML 1.0 forbids, are replaced.
@@ -62,9 +78,11 @@ class Document {
   }
   void add_text(const PlacedText& one) {
     if (one.text.empty()) return;
+    const bool from_right = is_right_to_left(one.text);
     add("<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{:.2f}\" textLength=\"{:.2f}\" "
         "lengthAdjust=\"spacingAndGlyphs\" fill=\"{}\"",
-        one.x, one.y, one.size, one.width, to_hex(one.color));
+        from_right ? one.x + one.width : one.x, one.y, one.size, one.width, to_hex(one.color));
+    if (from_right) add(" direction=\"rtl\"");
     if (one.style == FontStyle::kBold) add(" font-weight=\"bold\"");
     if (one.style == FontStyle::kItalic) add(" font-style=\"italic\"");
     add(">{}</text>\n", escaped(one.text));

@@ -1,50 +1,43 @@
-// Measures and draws text through the OpenImageIO module (FreeType).
+// Text of pages, through the module with Pango and Cairo.
 #pragma once
 
-#include <array>
+#include <cstddef>
 #include <filesystem>
 #include <future>
+#include <memory>
 #include <string_view>
 #include <vector>
 
 #include "format/result.h"
+#include "player/files/text_module.h"
 #include "player/page/annotation.h"
 
 namespace splatlas {
 
-/// Font files by FontStyle.
-using FontFiles = std::array<std::filesystem::path, kFontStyles>;
-
-/// Finds Liberation Sans or DejaVu Sans of Debian's packages, in this order. `chosen`, if not empty, is used
-/// for all styles instead. kFailed, with the packages, if there is no font; kFailed if `chosen` is no file.
-/// `root` is the folder with the fonts.
-[[nodiscard]] Result<FontFiles> find_fonts(const std::filesystem::path& chosen,
-                                           const std::filesystem::path& root = "/usr/share/fonts/truetype");
-
-/// Coverage of a text's pixels, from 0 to 1. Pixel (0, 0) is at (left, top) in the picture.
-struct TextCoverage {
-  int left = 0, top = 0, width = 0, height = 0;
-  std::vector<float> coverage;
-};
-
-/// Measures and draws text. Glyphs are drawn at four times their size and averaged: their widths and
-/// positions then match those of unhinted vector text within a quarter of a pixel.
+/// Measures and draws text, and writes PDF. Not thread-safe.
 class TextDrawer {
  public:
-  /// Begins to load the module, unless `fonts` are empty.
-  explicit TextDrawer(FontFiles fonts);
+  /// Begins to load the module and the fonts. `font`: a file to prefer to those of the system; empty: none.
+  explicit TextDrawer(const std::filesystem::path& font);
 
-  /// Waits for the module. kFailed if it or a font cannot be loaded.
+  /// Waits for the module. kFailed if it cannot be loaded, or without a usable font.
   [[nodiscard]] Result<void> wait();
-  /// Width of a line at `size` pixels per em; 0 if it cannot be measured. After wait().
+
+  // After wait():
+
+  /// Width of a line at `size` pixels per em.
   [[nodiscard]] double width(std::string_view text, double size, FontStyle style) const;
-  /// Coverage of one text. kFailed with the reason. After wait().
+  /// True if no font has a glyph for one of the characters.
+  [[nodiscard]] bool lacks_glyphs(std::string_view text) const;
+  /// Coverage of one text. kFailed with the reason.
   [[nodiscard]] Result<TextCoverage> draw(const PlacedText& text) const;
+  /// A PDF document. kFailed with the reason.
+  [[nodiscard]] Result<std::vector<std::byte>> encode_pdf(const PdfPage& page) const;
 
  private:
-  FontFiles fonts_;
-  std::future<Result<void*>> module_;
-  void* function_ = nullptr;
+  using Engine = std::unique_ptr<TextEngine>;
+  std::future<Result<Engine>> opening_;
+  Result<Engine> opened_;
 };
 
 }  // namespace splatlas

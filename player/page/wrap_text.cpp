@@ -7,23 +7,25 @@
 namespace splatlas {
 namespace {
 
-/// Offset after the UTF-8 character at `at`.
-std::size_t next_character(std::string_view text, std::size_t at) {
-  ++at;
-  while (at < text.size() && (static_cast<unsigned char>(text[at]) & 0xc0u) == 0x80u) ++at;
-  return at;
+/// Ends of the UTF-8 characters of a text.
+std::vector<std::size_t> character_ends(std::string_view text) {
+  std::vector<std::size_t> ends;
+  for (std::size_t at = 1; at <= text.size(); ++at) {
+    if (at == text.size() || (static_cast<unsigned char>(text[at]) & 0xc0u) != 0x80u) ends.push_back(at);
+  }
+  return ends;
 }
 
-/// Bytes of the longest beginning of `word` that fits; at least one character.
-std::size_t fitting(std::string_view word, double max_width,
-                    const std::function<double(std::string_view)>& width_of) {
-  std::size_t end = next_character(word, 0);
-  while (end < word.size()) {
-    const std::size_t next = next_character(word, end);
-    if (width_of(word.substr(0, next)) > max_width) break;
-    end = next;
-  }
-  return end;
+/// Bytes of the longest beginning of whole characters that `fits`. The cost follows the beginning, not the
+/// text: exponential and binary search.
+template <typename Fits>
+std::size_t fitting(std::string_view text, const Fits& fits) {
+  const std::vector<std::size_t> ends = character_ends(text);
+  std::size_t count = 1;
+  while (count < ends.size() && fits(ends[count - 1])) count *= 2;
+  const auto place = [&](std::size_t n) { return ends.begin() + static_cast<std::ptrdiff_t>(n); };
+  const auto end = std::partition_point(place(count / 2), place(std::min(count, ends.size())), fits);
+  return end == ends.begin() ? 0 : *(end - 1);
 }
 
 }  // namespace
@@ -44,7 +46,8 @@ std::vector<std::string> wrap_text(std::string_view text, double max_width,
     }
     if (!line.empty()) lines.push_back(line);
     while (width_of(word) > max_width) {
-      const std::size_t end = fitting(word, max_width, width_of);
+      const auto fits = [&](std::size_t bytes) { return width_of(word.substr(0, bytes)) <= max_width; };
+      const std::size_t end = std::max(character_ends(word).front(), fitting(word, fits));
       if (end >= word.size()) break;
       lines.emplace_back(word.substr(0, end));
       word.remove_prefix(end);
@@ -81,12 +84,9 @@ std::string shortened_text(std::string_view text, double max_width,
                            const std::function<double(std::string_view)>& width_of) {
   if (width_of(text) <= max_width) return std::string(text);
   constexpr const char* kEllipsis = "\xe2\x80\xa6";
-  std::size_t end = 0;
-  while (end < text.size()) {
-    const std::size_t next = next_character(text, end);
-    if (width_of(std::string(text.substr(0, next)) + kEllipsis) > max_width) break;
-    end = next;
-  }
+  std::size_t end = fitting(text, [&](std::size_t bytes) {
+    return width_of(std::string(text.substr(0, bytes)) + kEllipsis) <= max_width;
+  });
   while (end > 0 && text[end - 1] == ' ') --end;
   return std::string(text.substr(0, end)) + kEllipsis;
 }

@@ -77,6 +77,37 @@ TEST_F(Annotate, WritesPdfPagesWithText) {
   EXPECT_EQ(text_of("plain.pdf").find("Sphere"), std::string::npos);
 }
 
+TEST_F(Annotate, WritesEveryScriptAndNotesMissingLetters) {
+  const std::string hebrew = "\xd7\xa1\xd7\x95\xd7\xa3", caption =
+                                                             "Gr\xc3\xb6\xc3\x9f"
+                                                             "e \xd0\x9b\xd0\xb5\xd0\xb2\xd0\xbe\xd0\xb5 " +
+                                                             hebrew;
+  for (const std::string name : {"a.png", "a.pdf", "a.svg"}) {
+    const ProgramResult result = render({"-o", name, "--annotate", "caption", "--caption", caption});
+    ASSERT_EQ(result.status, 0) << result.err;
+    EXPECT_THAT(result.err, Not(HasSubstr("no font"))) << name;
+  }
+  EXPECT_THAT(text_of("a.pdf"), HasSubstr("Gr\xc3\xb6\xc3\x9f"
+                                          "e \xd0\x9b\xd0\xb5\xd0\xb2\xd0\xbe\xd0\xb5"));
+  EXPECT_THAT(read_bytes(folder.file("a.svg")), HasSubstr(caption + "</text>"));
+  const std::string unassigned = "\xf4\x80\x80\x80";
+  const ProgramResult result =
+      render({"-o", "b.svg", "--annotate", "caption", "--caption", "a" + unassigned});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("note: no font has all letters of \"a"));
+}
+
+TEST_F(Annotate, BreaksLongTextsInTime) {
+  const ProgramResult result = render({"-o", "a.svg", "--size", "3000x3000", "--dpi", "100", "--annotate",
+                                       "caption", "--caption", std::string(5000, 'i')});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const std::string svg = read_bytes(folder.file("a.svg"));
+  std::size_t letters = 0;
+  for (std::size_t at = svg.find("<text"); at != std::string::npos; at = svg.find("<text", at + 1))
+    letters += svg.find("</text>", at) - svg.find('>', at) - 1;
+  EXPECT_EQ(letters, 5000u);
+}
+
 TEST_F(Annotate, WritesSvgWithText) {
   ASSERT_EQ(
       render(joined(kScene, {"-o", "a.svg", "--annotate", "labels", "--background", "transparent"})).status,

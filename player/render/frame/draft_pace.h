@@ -55,7 +55,7 @@ class SurfacePace {
  public:
   /// Maximum widths of a block in picture pixels: for silhouettes within a pixel, after late drafts, and
   /// while the surfaces of level 0 do not exist.
-  static constexpr double kFinePixels = 2.4, kMaxPixels = 6, kStandInPixels = 12;
+  static constexpr double kFinePixels = 3, kMaxPixels = 6, kStandInPixels = 12;
 
   /// Level of the next draft. `voxel_pixels`: Shear::voxel_pixels(). `is_ready`: the surfaces of level 0
   /// exist; else those of level 1 take their place, unless their blocks are too wide.

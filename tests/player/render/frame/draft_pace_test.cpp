@@ -48,7 +48,7 @@ TEST(SurfacePace, SilhouettesAreExactWithinAPixelUnlessDraftsAreLate) {
                                                    {0.3, 3, 4},
                                                    {0.6, 2, 3},
                                                    {1.2, 1, 2},
-                                                   {1.3, 0, 2},
+                                                   {1.6, 0, 1},
                                                    {3.0, 0, 1},
                                                    {3.1, 0, 0}}) {
     SurfacePace pace;

@@ -1,0 +1,54 @@
+// C++ interface of the module for text and PDF. Module and program are built together.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "player/camera.h"
+#include "player/page/annotation.h"
+
+namespace splatlas {
+
+/// Coverage of a text's pixels, from 0 to 1. Pixel (0, 0) is at (left, top) in the picture.
+struct TextCoverage {
+  int left = 0, top = 0, width = 0, height = 0;
+  std::vector<float> coverage;
+};
+
+/// One page: a picture with annotations over it.
+struct PdfPage {
+  PictureSize size;
+  double dpi = 300;
+  std::vector<std::uint8_t> rgba;  ///< 8-bit sRGB with straight alpha; top row first
+  std::string title;
+  const AnnotationLayer* layer = nullptr;
+};
+
+/// Text shaped by Pango and drawn by Cairo: any script, in both directions, without hinting, so that all
+/// sizes have the same proportions. Other fonts stand in for missing glyphs. Not thread-safe.
+class TextEngine {
+ public:
+  virtual ~TextEngine() = default;
+  /// Width of a line at `size` pixels per em.
+  [[nodiscard]] virtual double width(std::string_view text, double size, FontStyle style) = 0;
+  /// True if no font has a glyph for one of the characters.
+  [[nodiscard]] virtual bool lacks_glyphs(std::string_view text) = 0;
+  /// Coverage of one text. `error`: set if its glyphs are too large to draw.
+  [[nodiscard]] virtual TextCoverage draw(const PlacedText& text, std::string& error) = 0;
+  /// A PDF document. `error`: set if it cannot be made.
+  [[nodiscard]] virtual std::vector<std::byte> encode_pdf(const PdfPage& page, std::string& error) = 0;
+};
+
+/// `font`: the file of a font to prefer to Liberation Sans and DejaVu Sans; empty: none. Sets `error` without
+/// a usable font.
+using OpenTextEngine = void (*)(const std::string& font, std::unique_ptr<TextEngine>& engine,
+                                std::string& error);
+
+inline constexpr const char* kTextModule = "libsplatlas_text.so";
+inline constexpr const char* kOpenTextEngineName = "splatlas_open_text_engine";
+
+}  // namespace splatlas
