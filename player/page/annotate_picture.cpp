@@ -11,8 +11,8 @@ namespace splatlas {
 namespace {
 
 constexpr double kTightRows = 0.2, kWideRows = 0.5;             // gaps between labels, in em
-constexpr double kMaxLabelWidth = 0.26, kMinLabelWidth = 0.16;  // of the picture's width
-constexpr double kReservedLabelWidth = 0.2;                     // of the picture's width, for each column
+constexpr double kMaxLabelWidth = 0.26, kMinLabelWidth = 0.13;  // of the picture's width
+constexpr double kFigureWidth = 0.63;                           // of it, beside columns of labels
 constexpr double kLabelSpacing = 1.2;                           // distance of baselines, in em
 constexpr double kLabelGapPoints = 12;                          // from structures to labels
 constexpr double kMinFigure = 0.2;                              // of the picture's sides
@@ -120,13 +120,13 @@ void PageLayout::reserve_room() {
   if (!options.items.labels) return;
   std::vector<const NamedStructure*> chosen = labelled_structures();
   chosen.resize(std::min(chosen.size(), options.max_labels));
+  const double gap = kLabelGapPoints * pt, page_width = scene.picture.size.width;
+  const double column =
+      std::max(0.5 * (figure.width() - kFigureWidth * page_width) - gap, kMinLabelWidth * page_width);
   double width = 0;
-  for (const NamedStructure* one : chosen) {
-    width = std::max(width, label_of(*one, kReservedLabelWidth * scene.picture.size.width).width);
-  }
+  for (const NamedStructure* one : chosen) width = std::max(width, label_of(*one, column).width);
   if (width == 0) return;
-  width += 1.5 * kLabelGapPoints * pt;
-  figure.left += width, figure.right -= width;
+  figure.left += width + gap, figure.right -= width + gap;
 }
 
 PictureRegion region_of_figure(const AnnotatedScene& scene, const AnnotationOptions& options,

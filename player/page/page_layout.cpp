@@ -106,7 +106,11 @@ void PageLayout::place_legend() {
   const std::size_t cells = shown + (shown < all ? 1 : 0);
   const std::size_t rows = (cells + columns - 1) / columns;
 
-  // Fill them from top to bottom
+  // Fill them from top to bottom with what shows most
+  std::vector<const NamedStructure*> listed;
+  for (const NamedStructure& one : scene.structures) listed.push_back(&one);
+  std::ranges::stable_sort(listed, std::greater(),
+                           [](const NamedStructure* one) { return one->visible.pixels; });
   const double pitch = (page.width() + 2 * em) / static_cast<double>(columns);
   const double top = figure.bottom - static_cast<double>(rows) * row;
   for (std::size_t n = 0; n < cells; ++n) {
@@ -119,9 +123,11 @@ void PageLayout::place_legend() {
           text(fmt::format("and {} more", all - shown), x, baseline, kLegendPoints, FontStyle::kItalic));
       continue;
     }
-    const NamedStructure& one = scene.structures[n];
+    const NamedStructure& one = *listed[n];
     const double room = std::min(x + cell - 2 * em, page.right) - x - swatch - gap;
-    layer.boxes.push_back({{x, y + 0.5 * row - 0.4 * em, x + swatch, y + 0.5 * row + 0.4 * em}, one.color});
+    const PageBox box{x, y + 0.5 * row - 0.4 * em, x + swatch, y + 0.5 * row + 0.4 * em};
+    layer.boxes.push_back({box, faint});  // an outline, for the colour of the paper
+    layer.boxes.push_back({box.grown(-kRulePoints * pt), one.color});
     layer.texts.push_back(
         text(shortened_text(one.name, room, width), x + swatch + gap, baseline, kLegendPoints));
   }
@@ -199,7 +205,8 @@ void PageLayout::place_orientation() {
     layer.notes.emplace_back(
         "letters of the orientation cover structures; take a smaller --zoom or a larger --size");
   }
-  figure.left += side + 0.5 * em, figure.right -= side + 0.5 * em;
+  // Labels stand above and below the letters
+  if (!options.items.labels) figure.left += side + 0.5 * em, figure.right -= side + 0.5 * em;
 }
 
 void PageLayout::place_scale_bar() {

@@ -60,14 +60,15 @@ std::vector<std::string> wrap_text(std::string_view text, double max_width,
 
 std::vector<std::string> balanced_lines(std::string_view text, double max_width,
                                         const std::function<double(std::string_view)>& width_of) {
-  // The longest word is the narrowest possible line
+  // The longest word is the narrowest line, unless it has to be broken
   double narrow = 0;
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find(' ', at), text.size());
     narrow = std::max(narrow, width_of(text.substr(at, end - at)));
     at = end + 1;
   }
-  double wide = std::max(narrow, max_width);
+  narrow = std::min(narrow, max_width);
+  double wide = max_width;
   std::vector<std::string> lines = wrap_text(text, wide, width_of);
   constexpr int kSteps = 12;
   for (int step = 0; step < kSteps && lines.size() > 1; ++step) {

@@ -13,7 +13,7 @@ namespace splatlas {
 [[nodiscard]] std::vector<std::string> wrap_text(std::string_view text, double max_width,
                                                  const std::function<double(std::string_view)>& width_of);
 
-/// The same number of lines, but as equally long as possible. Words are never broken.
+/// The same number of lines, but as equally long as possible.
 [[nodiscard]] std::vector<std::string> balanced_lines(
     std::string_view text, double max_width, const std::function<double(std::string_view)>& width_of);
 

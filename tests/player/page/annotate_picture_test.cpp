@@ -226,7 +226,7 @@ TEST(AnnotatePicture, ListsEveryStructureOrTheirNumber) {
   for (StructureIndex n = 0; n < 7; ++n) discs.add(n, 100 + 40 * n, 100, 15);
   const AnnotationLayer layer = annotated(discs.annotated(), {.items = {.legend = true}});
   EXPECT_EQ(layer.legend_entries, 7u);
-  EXPECT_EQ(layer.boxes.size(), 7u);
+  EXPECT_EQ(layer.boxes.size(), 14u);  // with outlines
   EXPECT_TRUE(layer.notes.empty());
 
   DiscScene many({600, 400});

@@ -70,7 +70,8 @@ TEST(WrapText, BreaksAtBlanksAndInLongWords) {
   EXPECT_THAT(wrap_text("\xc3\xa4\xc3\xb6", 1, width), ElementsAre("\xc3\xa4", "\xc3\xb6"));
   EXPECT_THAT(wrap_text("", 5, width), ElementsAre());
   EXPECT_THAT(balanced_lines("one two three f", 13, width), ElementsAre("one two", "three f"));
-  EXPECT_THAT(balanced_lines("one", 2, width), ElementsAre("one"));
+  EXPECT_THAT(balanced_lines("one", 2, width), ElementsAre("on", "e"));
+  EXPECT_THAT(balanced_lines("three one", 5, width), ElementsAre("three", "one"));
   EXPECT_EQ(shortened_text("abcdef", 6, width), "abcdef");
   EXPECT_EQ(shortened_text("abcdefghi", 6, width), "abc\xe2\x80\xa6");
 }
