@@ -1,6 +1,7 @@
 // Program splatlas-player: window and command-line renderer of atlases.
 
 #include <array>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <sstream>
@@ -9,6 +10,7 @@
 #include <CLI/CLI.hpp>
 #include <dlfcn.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "format/io/interrupts.h"
 #include "format/program/command_options.h"
@@ -56,9 +58,38 @@ Result<void> verify_file(const std::filesystem::path& path, const AtlasOptions& 
                                   path, atlas->counters().file));
 }
 
+/// Progress of a picture that takes long, in one line on a terminal.
+class RenderProgress {
+ public:
+  void show(double fraction) {
+    constexpr std::chrono::milliseconds kLong{1000}, kPause{100};
+    const auto now = Clock::now();
+    if (!is_terminal_ || now - start_ < kLong || now - shown_ < kPause) return;
+    shown_ = now;
+    print_to(stderr, PrintableText("\r{:3.0f} % rendered\x1b[K", 100 * fraction));
+  }
+  /// Removes the line, so that a message can follow.
+  ~RenderProgress() {
+    if (shown_ != Clock::time_point{}) print_to(stderr, PrintableText("\r\x1b[K"));
+  }
+  RenderProgress() = default;
+  RenderProgress(const RenderProgress&) = delete;
+  RenderProgress& operator=(const RenderProgress&) = delete;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  const bool is_terminal_ = ::isatty(STDERR_FILENO) != 0;
+  const Clock::time_point start_ = Clock::now();
+  Clock::time_point shown_{};
+};
+
 /// Renders a picture. A damaged atlas gives a picture of its intact parts and an error for scripts.
 Result<void> render_picture(const RenderRequest& request) {
-  SPLATLAS_ASSIGN_OR_RETURN(const RenderReport report, run_render(request));
+  const auto rendered = [&] {
+    RenderProgress progress;
+    return run_render(request, {.progress = [&](double fraction) { progress.show(fraction); }});
+  }();
+  SPLATLAS_ASSIGN_OR_RETURN(const RenderReport report, rendered);
   for (const std::string& line : report.warnings) print_to(stderr, PrintableText("warning: {}\n", line));
   for (const std::string& note : report.notes) print_to(stderr, PrintableText("note: {}\n", note));
   if (report.missing.empty()) return {};

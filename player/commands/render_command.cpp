@@ -111,7 +111,7 @@ std::optional<CutPlane> parse_cut(std::string_view text) {
   return CutPlane{{numbers[0], numbers[1], numbers[2]}, numbers[3]};
 }
 
-void add_cuts(CLI::App& command, RenderOptions& options) {
+void add_cuts(CLI::App& command, RenderOptions& options, bool& names_caps) {
   const auto append = [&options](const std::vector<std::string>& texts) {
     for (const std::string& text : texts) {
       const auto plane = parse_cut(text);
@@ -135,7 +135,8 @@ void add_cuts(CLI::App& command, RenderOptions& options) {
               {"labels", CapMode::kLabels},
               {"both", CapMode::kBoth},
               {"none", CapMode::kNone}},
-             "faces of cuts: grey values, structure colours, tinted grey values or hollow");
+             "faces of cuts: grey values, structure colours, tinted grey values or hollow")
+      ->each([&names_caps](const std::string&) { names_caps = true; });
 }
 
 /// Adds camera options. CLI11 assigns values in this order, so single settings override --view.
@@ -275,6 +276,19 @@ Result<std::vector<std::string>> selection_warnings(std::span<const SelectionTer
   return warnings;
 }
 
+/// Why a picture shows nothing; empty if it shows something.
+std::string emptiness_of(const Frame& frame) {
+  const std::vector<float>& rgba = frame.picture.rgba;
+  for (std::size_t n = 3; n < rgba.size(); n += 4) {
+    if (rgba[n] > 0) return {};
+  }
+  const RenderStats& stats = frame.stats;
+  if (stats.volume_voxels + stats.surface_voxels + stats.hybrid_voxels == 0 && stats.triangles == 0)
+    return "the picture shows nothing: the selection is empty";
+  return "the picture shows nothing of the selection: it is transparent, removed by a cut or beside the "
+         "picture";
+}
+
 /// Endings of the outputs, and that they can be written and are no inputs.
 Result<void> check_files(const RenderRequest& request) {
   SPLATLAS_RETURN_IF_ERROR(PictureEncoder::check_ending(request.output));
@@ -304,7 +318,7 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
   add_camera(*command, request.camera);
   add_framing(*command, request.page.fits_selection, request.center);
   add_quality(*command, request.page.render);
-  add_cuts(*command, request.page.render);
+  add_cuts(*command, request.page.render, request.names_caps);
   const CLI::Option* background =
       add_parsed(*command, "--background", request.page.background, parse_background,
                  "must be #rrggbb or transparent", "#rrggbb or transparent; .jpg: black by default")
@@ -335,7 +349,7 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
   return command;
 }
 
-Result<RenderReport> run_render(const RenderRequest& request) {
+Result<RenderReport> run_render(const RenderRequest& request, const RenderControl& control) {
   // Report errors that do not need the atlas before opening it
   PageOptions options = request.page;
   options.render.ids = !request.ids.empty();
@@ -362,10 +376,14 @@ Result<RenderReport> run_render(const RenderRequest& request) {
   SPLATLAS_RETURN_IF_ERROR(renderer.select(*selection));
 
   // Render and write
-  SPLATLAS_ASSIGN_OR_RETURN(Page page, pages.render(renderer, camera).map_error(with_option));
+  SPLATLAS_ASSIGN_OR_RETURN(Page page, pages.render(renderer, camera, control).map_error(with_option));
+  const std::string nothing = emptiness_of(page.frame);
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> picture, pages.encode(page));
   SPLATLAS_RETURN_IF_ERROR(
       write_outputs(request, picture, json_text(stats_json(page.frame, *atlas, open_ms)), page.frame));
+  if (!nothing.empty()) report.warnings.push_back(nothing);
+  if (request.names_caps && request.page.render.cuts.empty())
+    report.warnings.emplace_back("--cap has no effect without --cut");
   report.notes = std::move(page.annotations.notes);
   for (const MissingPart& part : page.frame.missing) report.missing.push_back(describe(part, atlas->graph()));
   return report;

@@ -27,6 +27,7 @@ struct RenderRequest {
   std::filesystem::path stats;  ///< JSON file; empty: none
   std::filesystem::path ids;    ///< id image; empty: none
   std::filesystem::path depth;  ///< depth map; empty: none
+  bool names_caps = false;      ///< --cap is given
 };
 
 /// Adds the command. Parsing fills `request`, which must outlive `app`. Invalid values throw
@@ -40,7 +41,7 @@ struct RenderReport {
 };
 
 /// Renders a picture and writes it, with statistics, id image and depth map if requested: all files or none.
-/// Renders the intact parts of a damaged atlas. Errors name the file.
-[[nodiscard]] Result<RenderReport> run_render(const RenderRequest& request);
+/// Renders the intact parts of a damaged atlas. Errors name the file. `control`: of the picture's rendering.
+[[nodiscard]] Result<RenderReport> run_render(const RenderRequest& request, const RenderControl& control);
 
 }  // namespace splatlas
