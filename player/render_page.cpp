@@ -170,6 +170,10 @@ Result<PageRenderer> PageRenderer::create(const std::filesystem::path& path, Pag
   return PageRenderer(std::make_unique<Impl>(path, std::move(options)));
 }
 
+void PageRenderer::set_caption(std::string caption) {
+  impl_->options.caption = std::move(caption);
+}
+
 Result<Page> PageRenderer::render(Renderer& renderer, const Camera& camera, const RenderControl& control) {
   const PageOptions& options = impl_->options;
   impl_->title = printable(options.caption.value_or(renderer.atlas().provenance().title));

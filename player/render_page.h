@@ -47,6 +47,9 @@ class PageRenderer {
   PageRenderer(PageRenderer&&) noexcept;
   PageRenderer& operator=(PageRenderer&&) noexcept;
 
+  /// Replaces the caption of the options.
+  void set_caption(std::string caption);
+
   /// Renders the renderer's selection. Fits it to the space that the annotations leave: for labels and a
   /// legend, a small draft render finds the visible structures first. The zoom of the camera multiplies that
   /// of the fit; its centre, if it has one, replaces that of the fit. Adds to the notes of the annotations

@@ -27,14 +27,14 @@ make_phantom_atlas() {
 }
 
 make_colin27_atlas() {
-  local atlas=out/colin27.atlas tree=preprocess/trees/colin27_aal.tree
+  local atlas=out/colin27.atlas tree=preprocess/trees/colin27_aal.tree lesson=examples/colin27_lesson.toml
   local head=$templates/ch2.nii.gz brain=$templates/ch2bet.nii.gz labels=$templates/aal.nii.gz names=$templates/aal.nii.txt
-  if up_to_date $atlas "$programs/splatlas-preprocess" $tree $head $brain $labels $names; then
+  if up_to_date $atlas "$programs/splatlas-preprocess" $tree $lesson $head $brain $labels $names; then
     echo "$atlas is up to date"
     return
   fi
   # AAL leaves a comb of thin strips of the brain at its border. The opening removes it, and the filter its crumbs.
-  "$programs/splatlas-preprocess" build -o $atlas --labels $labels --names $names --volume $head --tree $tree \
+  "$programs/splatlas-preprocess" build -o $atlas --labels $labels --names $names --volume $head --tree $tree --scene $lesson \
     --segment "Rest of brain=mask:$brain:open=1" --segment "Non-brain head=threshold:28:close=2" \
     --drop-fragments "Rest of brain=10000" --drop-fragments "Non-brain head=4" \
     --title "The Colin 27 head with the structures of AAL" \
@@ -86,3 +86,4 @@ step "Contact sheet" make_contact_sheet
 tell_times
 echo
 echo "The gallery is out/gallery.png. Look around with: $programs/splatlas-player out/colin27.atlas"
+echo "The atlas holds a lesson of twelve scenes: Page down shows the next one."

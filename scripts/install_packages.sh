@@ -53,6 +53,7 @@ packages_beside_player=(
   libinsighttoolkit5-dev   # preprocess: readers, segmentation
   libvtk9-dev              # preprocess: marching cubes, mesh files
   libtiff-dev              # preprocess: TIFF
+  libtomlplusplus-dev      # preprocess: scenes
   libexpat1-dev            # preprocess: GIFTI
   libbz2-dev               # preprocess: compressed NRRD
   libdcmtk-dev             # preprocess: DICOM

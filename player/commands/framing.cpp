@@ -63,6 +63,19 @@ void add_framing(CLI::App& command, bool& fits_selection, FrameCenter& center) {
              "middle of the picture: a structure (see NAME), or X,Y,Z in LPS mm; the zoom stays");
 }
 
+Result<Scene> find_scene(const std::string& name, const Atlas& atlas) {
+  constexpr std::size_t kMaxNames = 20;
+  std::string names;
+  for (const Scene& scene : atlas.scenes()) {
+    if (equal_ignoring_case(scene.name, name)) return scene;
+    if (&scene - atlas.scenes().data() < static_cast<std::ptrdiff_t>(kMaxNames))
+      names += (names.empty() ? "" : ", ") + in_quotes(scene.name);
+  }
+  if (atlas.scenes().size() > kMaxNames) names += ", ...";
+  return fail(ErrorCode::kNotFound, "{}: --scene {}: the atlas has {}", atlas.name(), in_quotes(name),
+              names.empty() ? "no scenes; build it with --scene FILE.toml" : "the scenes " + names);
+}
+
 Result<std::optional<Vec3>> center_of(const FrameCenter& center, const Atlas& atlas) {
   if (const auto* point = std::get_if<Vec3>(&center)) return std::optional(*point);
   const auto* name = std::get_if<std::string>(&center);

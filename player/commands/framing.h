@@ -1,4 +1,4 @@
-// Framing of a picture on the command line: --fit and --center.
+// Framing of a picture on the command line: --fit, --center and --scene.
 #pragma once
 
 #include <optional>
@@ -18,6 +18,9 @@ using FrameCenter = std::variant<std::monostate, Vec3, std::string>;
 
 /// Adds the options. Parsing fills `fits_selection` and `center`, which must outlive the command.
 void add_framing(CLI::App& command, bool& fits_selection, FrameCenter& center);
+
+/// The scene of a name, in any case. kNotFound with the names that the atlas has.
+[[nodiscard]] Result<Scene> find_scene(const std::string& name, const Atlas& atlas);
 
 /// The point of a centre; none for that of the fit. kNotFound for unknown names; kFailed for structures
 /// without voxels.

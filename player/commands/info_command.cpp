@@ -59,7 +59,12 @@ std::string info_json(const Atlas& atlas) {
   }
   json["scenes"] = Json::array();
   for (const Scene& scene : atlas.scenes()) {
-    json["scenes"].push_back({{"name", scene.name}, {"caption", scene.caption}, {"select", scene.selection}});
+    json["scenes"].push_back({{"name", scene.name},
+                              {"caption", scene.caption},
+                              {"select", scene.selection},
+                              {"azimuth", scene.azimuth_deg},
+                              {"elevation", scene.elevation_deg},
+                              {"zoom", scene.zoom}});
   }
   const Provenance& provenance = atlas.provenance();
   json["provenance"] = {{"title", provenance.title},
@@ -84,6 +89,8 @@ PrintableText info_text(const Atlas& atlas) {
     text.add("{} {} {}", separator, section.name, section.bytes);
     separator = ",";
   }
+  for (std::size_t n = 0; n < atlas.scenes().size(); ++n)
+    text.add("{}{}", n == 0 ? "\nscenes    " : ", ", in_quotes(atlas.scenes()[n].name));
   text.add("\n\n{:<50} {:>10} {:>10} {:>10}\n", "structure (again under every parent)", "interior",
            "boundary", "triangles");
   // Depth first with an explicit stack; a structure appears under each of its parents.

@@ -22,6 +22,7 @@
 #include "format/text/ascii_text.h"
 #include "format/text/json_text.h"
 #include "player/commands/annotate_options.h"
+#include "player/commands/render_warnings.h"
 #include "player/files/picture_encoder.h"
 #include "player/write_picture.h"
 
@@ -260,35 +261,6 @@ Result<void> write_outputs(const RenderRequest& request, std::span<const std::by
   return commit_files(files);
 }
 
-/// A line for each hidden term, up to a limit.
-Result<std::vector<std::string>> selection_warnings(std::span<const SelectionTerm> terms,
-                                                    const Atlas& atlas) {
-  constexpr std::size_t kMaxWarnings = 5;
-  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<HiddenTerm> hidden,
-                            find_hidden_terms(terms, atlas.graph(), atlas.tree()));
-  std::vector<std::string> warnings;
-  for (const HiddenTerm& term : std::span(hidden).first(std::min(hidden.size(), kMaxWarnings))) {
-    warnings.push_back(term.message);
-  }
-  if (hidden.size() > kMaxWarnings) {
-    warnings.push_back(fmt::format("selection: {} more terms are hidden", hidden.size() - kMaxWarnings));
-  }
-  return warnings;
-}
-
-/// Why a picture shows nothing; empty if it shows something.
-std::string emptiness_of(const Frame& frame) {
-  const std::vector<float>& rgba = frame.picture.rgba;
-  for (std::size_t n = 3; n < rgba.size(); n += 4) {
-    if (rgba[n] > 0) return {};
-  }
-  const RenderStats& stats = frame.stats;
-  if (stats.volume_voxels + stats.surface_voxels + stats.hybrid_voxels == 0 && stats.triangles == 0)
-    return "the picture shows nothing: the selection is empty";
-  return "the picture shows nothing of the selection: it is transparent, removed by a cut or beside the "
-         "picture";
-}
-
 /// Endings of the outputs, and that they can be written and are no inputs.
 Result<void> check_files(const RenderRequest& request) {
   SPLATLAS_RETURN_IF_ERROR(PictureEncoder::check_ending(request.output));
@@ -309,13 +281,21 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
   add_parsed(*command, "-o,--output", request.output, parse_file_name, "must name a file",
              "picture: .png, .jpg, .tif, .exr (linear float RGBA), or .svg and .pdf (vector annotations)")
       ->required();
-  command->add_option("--select", request.select, "selection text (see below)")->capture_default_str();
+  CLI::Option* select =
+      command->add_option("--select", request.select, "selection text (see below)")->capture_default_str();
+  CLI::Option* scene = command
+                           ->add_option("--scene", request.scene,
+                                        "a named view of the atlas: its selection, direction, zoom and "
+                                        "caption; other options are as given")
+                           ->excludes(select);
   add_parsed(
       *command, "--size", request.page.render.size, parse_size,
       fmt::format("must be WIDTHxHEIGHT in pixels, each from 1 to {}, as in 1024x768", kMaxPictureSide),
       "WIDTHxHEIGHT in pixels")
       ->default_str(fmt::format("{}x{}", request.page.render.size.width, request.page.render.size.height));
   add_camera(*command, request.camera);
+  for (const char* option : {"--view", "--azimuth", "--elevation"})
+    scene->excludes(command->get_option(option));
   add_framing(*command, request.page.fits_selection, request.center);
   add_quality(*command, request.page.render);
   add_cuts(*command, request.page.render, request.names_caps);
@@ -355,7 +335,7 @@ Result<RenderReport> run_render(const RenderRequest& request, const RenderContro
   options.render.ids = !request.ids.empty();
   options.render.depths = !request.depth.empty();
   SPLATLAS_RETURN_IF_ERROR(check_files(request));
-  SPLATLAS_ASSIGN_OR_RETURN(const auto terms, parse_selection(request.select));
+  SPLATLAS_RETURN_IF_ERROR(parse_selection(request.select));
   SPLATLAS_RETURN_IF_ERROR(view_of(request.camera, options.render.size, Display{}).map_error(with_option));
   SPLATLAS_ASSIGN_OR_RETURN(PageRenderer pages, PageRenderer::create(request.output, options));
 
@@ -366,11 +346,21 @@ Result<RenderReport> run_render(const RenderRequest& request, const RenderContro
   const TaskControl task({}, {}, &atlas->work_budget());  // of all steps together
   const double open_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  Camera camera = request.camera;
+  std::string text = request.select;
+  if (!request.scene.empty()) {
+    SPLATLAS_ASSIGN_OR_RETURN(const Scene scene, find_scene(request.scene, *atlas));
+    text = scene.selection;
+    camera.azimuth_deg = scene.azimuth_deg;
+    camera.elevation_deg = scene.elevation_deg;
+    camera.zoom *= scene.zoom;
+    if (!options.caption && !scene.caption.empty()) pages.set_caption(scene.caption);
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(const auto terms, parse_selection(text));
   const Result<Selection> selection = resolve_selection(terms, atlas->graph());
   if (!selection) return fail(selection.error().code, "{}: {}", atlas->name(), selection.error().message);
   RenderReport report;
   SPLATLAS_ASSIGN_OR_RETURN(report.warnings, selection_warnings(terms, *atlas));
-  Camera camera = request.camera;
   SPLATLAS_ASSIGN_OR_RETURN(camera.center_lps_mm, center_of(request.center, *atlas));
   Renderer renderer(atlas, request.renderer);
   SPLATLAS_RETURN_IF_ERROR(renderer.select(*selection));

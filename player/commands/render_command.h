@@ -19,6 +19,7 @@ namespace splatlas {
 struct RenderRequest {
   std::filesystem::path atlas, output;
   std::string select = "*";
+  std::string scene;  ///< name; empty: none
   Camera camera;
   FrameCenter center;
   PageOptions page;

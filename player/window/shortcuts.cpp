@@ -29,6 +29,7 @@ constexpr std::array kHelp{
     Help{"Home", "first view"},
     Help{"Arrow keys", "turn by 15 degrees"},
     Help{"A  P  L  R  S  I", "anterior, posterior, left, right, superior, inferior"},
+    Help{"Page down, Page up", "next scene of the atlas, scene before"},
     Help{"D", "depth: darker behind what is near, and in furrows"},
     Help{"Click", "choose a structure"},
     Help{"O", "isolate the chosen structure (only it)"},
@@ -69,6 +70,8 @@ bool camera_key(SDL_Keycode key, Session& session) {
     case SDLK_KP_MINUS: zoom(session, 1 / kKeyZoom); return true;
     case SDLK_HOME: session.reset_view(); return true;
     case SDLK_f: session.frame_selection(); return true;
+    case SDLK_PAGEDOWN: session.show_next_scene(); return true;
+    case SDLK_PAGEUP: session.show_scene_before(); return true;
     default: return false;
   }
 }

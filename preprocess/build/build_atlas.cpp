@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -12,8 +13,10 @@
 #include "format/io/output_file.h"
 #include "format/io/output_path.h"
 #include "format/result_macros.h"
+#include "format/text/ascii_text.h"
 #include "preprocess/build/measure_display.h"
 #include "preprocess/classify/classify_voxels.h"
+#include "preprocess/import/tables/read_scenes.h"
 #include "preprocess/surfaces/extract_surfaces.h"
 
 namespace splatlas {
@@ -70,10 +73,27 @@ void note_surfaces(SurfaceRule rule, const Grid& grid, const ExtractedSurfaces& 
   }
 }
 
+/// The scenes of all files.
+Result<std::vector<SceneFile>> read_all_scenes(const std::vector<fs::path>& paths) {
+  std::vector<SceneFile> files;
+  std::set<std::string> names;
+  for (const fs::path& path : paths) {
+    SPLATLAS_ASSIGN_OR_RETURN(SceneFile file, read_scenes(path));
+    for (const Scene& scene : file.scenes) {
+      if (names.insert(to_lower(scene.name)).second) continue;
+      return fail(ErrorCode::kFailed, "{}: scene {}: another file has one of this name", path.string(),
+                  in_quotes(scene.name));
+    }
+    files.push_back(std::move(file));
+  }
+  return files;
+}
+
 /// Builds the structure graph, runs segmentations, classifies the voxels and extracts surfaces. Fills only
 /// the hashes of the provenance. Messages about the labels call them `labels`. The content does not depend on
 /// `threads` (0: one per core).
 Result<AtlasContent> build_content(SourceModel model, const std::string& labels,
+                                   const std::vector<SceneFile>& scenes,
                                    const std::vector<FragmentRule>& fragments, SurfaceRule rule,
                                    unsigned threads, StageClock& clock, Notes& notes) {
   AtlasContent content;
@@ -83,6 +103,10 @@ Result<AtlasContent> build_content(SourceModel model, const std::string& labels,
   SPLATLAS_ASSIGN_OR_RETURN(
       PlacedStructures placed,
       build_graph(model.structures, model.tree, model.tree_file.empty() ? labels : model.tree_file, notes));
+  for (const SceneFile& file : scenes) {
+    SPLATLAS_RETURN_IF_ERROR(check_selections(file, placed.graph));
+    content.scenes.insert(content.scenes.end(), file.scenes.begin(), file.scenes.end());
+  }
 
   if (!model.segments.empty()) clock.begin("segment", 0.2);
   SPLATLAS_RETURN_IF_ERROR(segment_structures(
@@ -140,6 +164,7 @@ Result<BuildReport> build_atlas(const BuildOptions& options) {
 Result<BuildReport> build_atlas(const BuildOptions& options, Notes& notes) {
   SPLATLAS_RETURN_IF_ERROR(check_outputs(std::array{options.output}, list_files(options.sources)));
   SPLATLAS_RETURN_IF_ERROR(check_writable_file(options.output));
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<SceneFile> scenes, read_all_scenes(options.sources.scenes));
   StageClock clock(options.progress);
   const auto update = [&](double fraction) { clock.update(fraction); };
 
@@ -147,8 +172,8 @@ Result<BuildReport> build_atlas(const BuildOptions& options, Notes& notes) {
   SPLATLAS_ASSIGN_OR_RETURN(SourceModel model, import_sources(options.sources, notes, update));
   SPLATLAS_ASSIGN_OR_RETURN(
       AtlasContent content,
-      build_content(std::move(model), options.sources.labels.string(), options.fragments, options.surfaces,
-                    options.threads, clock, notes));
+      build_content(std::move(model), options.sources.labels.string(), scenes, options.fragments,
+                    options.surfaces, options.threads, clock, notes));
   if (options.strict) SPLATLAS_RETURN_IF_ERROR(check_no_warning(notes));
   content.provenance.title = options.title;
   content.provenance.citation = options.citation;

@@ -63,6 +63,15 @@ Fragments: face-connected components of few voxels beside the largest one of the
 fewer than 100 voxels. --drop-fragments N removes those of fewer than N voxels from all labels, masks and segments,
 NAME=N from one of them. 0 keeps them without a note. Dropped voxels become background, or get into later segments.
 
+Scenes: named views, in the order of the lesson; `splatlas-player` plays them, and renders one by --scene NAME.
+  [[scene]]
+  name = "Basal ganglia"
+  select = "Brain:surface(opacity=0.2) + Putamen*:surface"    # as of splatlas-player render --select
+  caption = "Putamen, lateral of the globus pallidus"         # may be left out, as all below
+  azimuth = 90        # degrees: 0 looks at the anterior side, 90 at the left
+  elevation = 10
+  zoom = 1.2          # relative to the fit of the selection
+
 Exit status: 0 done; 1 could not be done; 2 wrong usage. A failed or interrupted build leaves nothing behind.)";
 
 std::string check_text(const std::string& text) {
@@ -145,6 +154,13 @@ CLI::App* add_build(CLI::App& app, BuildRequest& request) {
   build->footer(std::string(kFooter) + kTreeFormat + kFooterEnd);
   build->add_option("-o,--output", options.output, "atlas file to write")->required()->check(names_a_file());
   add_sources(*build, options.sources);
+  build
+      ->add_option("--scene", options.sources.scenes,
+                   "TOML file with named views for a lesson (repeatable; see Scenes)")
+      ->check(names_a_file())
+      ->expected(1)
+      ->allow_extra_args(false)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   build->add_option("--title", options.title, "stored in the atlas")->check(check_text);
   build->add_option("--citation", options.citation, "stored in the atlas")->check(check_text);
   build->add_option("--licence,--license", options.licence, "stored in the atlas")->check(check_text);

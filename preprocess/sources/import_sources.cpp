@@ -382,6 +382,7 @@ std::vector<fs::path> list_files(const SourceFiles& files) {
     if (!rule.mask.empty()) list.push_back(rule.mask);
   }
   for (std::size_t n = list.size(); n-- > 0;) list.push_back(other_file(list[n]));
+  list.insert(list.end(), files.scenes.begin(), files.scenes.end());
   for (const MeshSource& mesh : files.meshes) {
     list.push_back(mesh.file);
     if (!mesh.transform.empty()) list.push_back(mesh.transform);

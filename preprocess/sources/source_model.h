@@ -32,7 +32,8 @@ struct SourceFiles {
   std::filesystem::path volume, names, colors, tree;
   std::vector<SegmentRule> segments;
   std::vector<MeshSource> meshes;
-  bool fit_grid = false;  ///< widens the grid for surfaces that reach beyond it
+  std::vector<std::filesystem::path> scenes;  ///< of read_scenes(); names may not repeat
+  bool fit_grid = false;                      ///< widens the grid for surfaces that reach beyond it
   NamesFormat names_format = NamesFormat::kAuto;
   bool allow_empty = false;
   ImageOptions volume_options;             ///< of `volume`

@@ -165,6 +165,7 @@ bool RenderWorker::fit_camera(FrameRequest& request) {
     push_event(FrameFailed{request, std::move(camera).error()});
     return false;
   }
+  camera->zoom = std::clamp(camera->zoom * request.fit->zoom, kMinZoom, kMaxZoom);
   push_event(CameraFitted{request, *camera});
   request.camera = *camera;
   request.fit.reset();

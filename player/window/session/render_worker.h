@@ -22,6 +22,7 @@ namespace splatlas {
 /// Content to which a camera is fitted: the selection, or its part below a structure.
 struct FitTarget {
   std::optional<StructureIndex> structure = std::nullopt;
+  double zoom = 1;  ///< multiplies that of the fit
   friend bool operator==(const FitTarget&, const FitTarget&) = default;
 };
 

@@ -178,6 +178,30 @@ void Session::turn_to(NamedView view) {
   camera_.elevation_deg = named.elevation_deg;
 }
 
+void Session::show_scene(std::size_t n) {
+  const Scene& scene = atlas_->scenes()[n];
+  apply_text(scene.selection);
+  if (!text_error_.empty()) {
+    set_status({fmt::format("scene \"{}\": {}", scene.name, text_error_), true});
+    return;
+  }
+  camera_ = {.azimuth_deg = scene.azimuth_deg, .elevation_deg = scene.elevation_deg};
+  framing_ = FitTarget{.zoom = scene.zoom};
+  scene_ = n;
+  scene_version_ = editor_.version();
+  log_.write("scene", {{"name", scene.name}});
+}
+
+void Session::show_next_scene() {
+  const std::size_t next = scene() ? *scene() + 1 : 0;
+  if (next < atlas_->scenes().size()) show_scene(next);
+}
+
+void Session::show_scene_before() {
+  const std::size_t next = scene().value_or(atlas_->scenes().size());
+  if (next > 0) show_scene(next - 1);
+}
+
 void Session::choose(StructureIndex s, bool reveal) {
   if (!current_ || current_->structure != s) {
     current_ = facts_of(*atlas_, s);

@@ -78,6 +78,15 @@ class Session {
     camera_ = {};
     frame_selection();
   }
+  /// Shows a scene of the atlas: its selection and view. status() reports a selection that fails.
+  void show_scene(std::size_t n);
+  /// The scene shown; none after a change of the selection.
+  [[nodiscard]] std::optional<std::size_t> scene() const {
+    return scene_version_ == editor_.version() ? scene_ : std::nullopt;
+  }
+  /// Shows the next scene, or the one before; the first or last one if none is shown.
+  void show_next_scene();
+  void show_scene_before();
   /// Zoom relative to the latest fit.
   [[nodiscard]] double zoom() const { return camera_.zoom / fitted_zoom_; }
   [[nodiscard]] DepthCue depth_cue() const { return depth_cue_; }
@@ -144,6 +153,8 @@ class Session {
   double fitted_zoom_ = 1;
   PictureSize size_;
   DepthCue depth_cue_ = DepthCue::kNone;
+  std::optional<std::size_t> scene_;
+  std::uint64_t scene_version_ = 0;  // editor version of scene_
   std::optional<FrameRequest> requested_;
   std::shared_ptr<const DisplayFrame> frame_;
   bool refining_ = false;

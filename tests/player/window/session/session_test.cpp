@@ -237,6 +237,41 @@ TEST_F(SessionTest, ChoosingTellsTheFacts) {
   EXPECT_FALSE(desk->current());
 }
 
+/// Page down and up: from the first scene to the last one, and back.
+TEST_F(SessionTest, PlaysTheScenesOfTheAtlas) {
+  AtlasContent content = phantom_content();
+  content.scenes = {{"Whole", "", "*", 0, 0, 1},
+                    {"Sphere", "The small one", "Sphere_2:surface", 90, 10, 0.5},
+                    {"Stale", "", "Nothing", 0, 0, 1}};
+  Desk desk(open_in_memory(content));
+  desk.until_done();
+  EXPECT_FALSE(desk->scene());
+  desk->show_scene_before();  // the last one, whose structure is missing
+  EXPECT_TRUE(desk->status().error);
+  EXPECT_THAT(desk->status().text, testing::HasSubstr("scene \"Stale\": "));
+  EXPECT_FALSE(desk->scene());
+  desk->show_next_scene();
+  EXPECT_EQ(desk->scene(), 0u);
+  desk->show_next_scene();
+  desk.until_done();
+  ASSERT_EQ(desk->scene(), 1u);
+  const DisplayFrame& frame = *desk->frame();
+  EXPECT_EQ(frame.request.text, "Sphere_2:surface");
+  EXPECT_EQ(frame.request.camera.azimuth_deg, 90);
+  EXPECT_EQ(frame.request.camera.elevation_deg, 10);
+  EXPECT_FALSE(is_black(frame));
+  const double zoom = desk->camera().zoom;
+  desk->frame_selection();
+  desk.until([&] { return std::abs(desk->camera().zoom - 2 * zoom) < 1e-9; });
+  EXPECT_EQ(desk->scene(), 1u) << "a turned view is still of the scene";
+  desk->editor().isolate(kSphere1);
+  EXPECT_FALSE(desk->scene()) << "another selection is not";
+  desk->show_next_scene();
+  EXPECT_EQ(desk->scene(), 0u);
+  desk->show_scene_before();
+  EXPECT_EQ(desk->scene(), 0u);
+}
+
 TEST_F(SessionTest, MayBeClosedAtAnyTime) {
   for (int n = 0; n < 5; ++n) {
     Desk desk(atlas());

@@ -1,0 +1,122 @@
+#include "preprocess/import/tables/read_scenes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include "format/content/selection.h"
+#include "format/result_macros.h"
+#include "format/text/ascii_text.h"
+#include "preprocess/import/tables/text_file.h"
+
+namespace splatlas {
+namespace {
+
+constexpr double kMaxZoom = 1000;
+constexpr std::string_view kKeys = "name, select, caption, azimuth, elevation and zoom";
+
+/// The reader of one table [[scene]]. Keeps the first error.
+class SceneReader {
+ public:
+  SceneReader(const std::filesystem::path& path, const toml::table& table) : path_(path), table_(table) {}
+
+  [[nodiscard]] Result<Scene> read() {
+    Scene scene;
+    for (const auto& [key, value] : table_) {
+      const std::string_view name = key.str();
+      if (name == "name") {
+        scene.name = text(value, name);
+      } else if (name == "select") {
+        scene.selection = text(value, name);
+      } else if (name == "caption") {
+        scene.caption = text(value, name);
+      } else if (name == "azimuth") {
+        scene.azimuth_deg = number(value, name, -360, 360);
+      } else if (name == "elevation") {
+        scene.elevation_deg = number(value, name, -90, 90);
+      } else if (name == "zoom") {
+        scene.zoom = number(value, name, 1 / kMaxZoom, kMaxZoom);
+      } else {
+        refuse(value, fmt::format("unknown key {}; a scene has {}", in_quotes(name), kKeys));
+      }
+    }
+    if (scene.name.empty()) refuse(table_, "the scene has no name; add name = \"...\"");
+    if (scene.selection.empty())
+      refuse(table_, fmt::format("scene {} has no selection; add select = \"...\"", in_quotes(scene.name)));
+    if (error_) return tl::unexpected(*error_);
+    return scene;
+  }
+
+ private:
+  void refuse(const toml::node& at, const std::string& what) {
+    if (error_) return;
+    error_ = Error{
+        ErrorCode::kFailed, fmt::format("{}: line {}: {}", path_.string(), at.source().begin.line, what), {}};
+  }
+  [[nodiscard]] std::string text(const toml::node& value, std::string_view key) {
+    const auto found = value.value<std::string>();
+    if (!found) refuse(value, fmt::format("{} must be a text in quotes", key));
+    const std::string fault = fault_of_text(found.value_or(""));
+    if (!fault.empty()) refuse(value, fmt::format("{} {}", key, fault));
+    return found.value_or("");
+  }
+  [[nodiscard]] double number(const toml::node& value, std::string_view key, double low, double high) {
+    const auto found = value.value<double>();
+    if (!found || !(*found >= low && *found <= high))
+      refuse(value, fmt::format("{} must be a number from {} to {}", key, low, high));
+    return found.value_or(0);
+  }
+
+  const std::filesystem::path& path_;
+  const toml::table& table_;
+  std::optional<Error> error_;
+};
+
+}  // namespace
+
+Result<SceneFile> read_scenes(const std::filesystem::path& path) {
+  SPLATLAS_ASSIGN_OR_RETURN(const std::string text, read_text(path));
+  toml::table document;
+  try {
+    document = toml::parse(text, path.string());
+  } catch (const toml::parse_error& error) {
+    return fail(ErrorCode::kFailed, "{}: line {}: {}", path.string(), error.source().begin.line,
+                std::string(error.description()));
+  }
+  for (const auto& [key, value] : document) {
+    if (key != "scene" || !value.is_array_of_tables()) {
+      return fail(ErrorCode::kFailed, "{}: line {}: {} is no [[scene]]; a scene is a table [[scene]] with {}",
+                  path.string(), key.source().begin.line, in_quotes(key.str()), std::string(kKeys));
+    }
+  }
+  SceneFile file{path, {}};
+  const toml::array* const scenes = document["scene"].as_array();
+  if (scenes == nullptr) return fail(ErrorCode::kFailed, "{}: has no [[scene]]", path.string());
+  for (const toml::node& table : *scenes) {
+    SPLATLAS_ASSIGN_OR_RETURN(Scene scene, SceneReader(path, *table.as_table()).read());
+    const auto same = [&](const Scene& other) { return equal_ignoring_case(other.name, scene.name); };
+    if (std::ranges::any_of(file.scenes, same)) {
+      return fail(ErrorCode::kFailed, "{}: line {}: two scenes have the name {}", path.string(),
+                  table.source().begin.line, in_quotes(scene.name));
+    }
+    file.scenes.push_back(std::move(scene));
+  }
+  return file;
+}
+
+Result<void> check_selections(const SceneFile& file, const StructureGraph& graph) {
+  for (const Scene& scene : file.scenes) {
+    const Result<Selection> selection = Selection::parse(scene.selection, graph);
+    if (selection) continue;
+    return fail(ErrorCode::kFailed, "{}: scene {}: {}", file.path.string(), in_quotes(scene.name),
+                selection.error().message);
+  }
+  return {};
+}
+
+}  // namespace splatlas

@@ -1,0 +1,95 @@
+// Scenes of a lesson: built into an atlas, listed, and rendered by name.
+
+#include <fstream>
+
+#include <gmock/gmock.h>
+
+#include "tests/cli/programs.h"
+#include "tests/support/file_bytes.h"
+#include "tests/support/temporary_folder.h"
+
+namespace splatlas {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+struct Scenes : testing::Test {
+  TemporaryFolder folder;
+  Scenes() {
+    std::ofstream(folder.file("labels.nrrd"), std::ios::binary)
+        << "NRRD0004\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\nsizes: 8 6 4\n"
+           "space directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\nencoding: raw\n\n"
+        << std::string(96, '\1') + std::string(96, '\2');
+    write("lesson.toml",
+          "[[scene]]\nname = \"Two slabs\"\nselect = \"*:surface\"\ncaption = \"Below and above\"\n"
+          "[[scene]]\nname = \"Upper slab\"\nselect = \"#2:surface(color=#ff0000)\"\nazimuth = 35\nelevation "
+          "= 20\n"
+          "zoom = 0.8\n");
+  }
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder.file(name), std::ios::binary) << text;
+  }
+  [[nodiscard]] ProgramResult build(const Words& options) const {
+    return run_preprocess(
+        joined({"build", "-o", "a.atlas", "--labels", "labels.nrrd", "--progress", "none"}, options),
+        folder.path());
+  }
+  [[nodiscard]] ProgramResult render(const Words& options) const {
+    return run_player(joined({"render", "a.atlas", "--size", "900x600"}, options), folder.path());
+  }
+};
+
+TEST_F(Scenes, AreDrawnAsTheirOptionsWould) {
+  const ProgramResult built = build({"--scene", "lesson.toml"});
+  ASSERT_EQ(built.status, 0) << built.err;
+  EXPECT_THAT(run_player({"info", "a.atlas"}, folder.path()).out,
+              HasSubstr("scenes    \"Two slabs\", \"Upper slab\"\n"));
+  ASSERT_EQ(render({"-o", "a.png", "--scene", "upper SLAB"}).status, 0);
+  ASSERT_EQ(render({"-o", "b.png", "--select", "#2:surface(color=#ff0000)", "--azimuth", "35", "--elevation",
+                    "20", "--zoom", "0.8"})
+                .status,
+            0);
+  EXPECT_TRUE(read_bytes(folder.file("a.png")) == read_bytes(folder.file("b.png")));
+  ASSERT_EQ(render({"-o", "c.svg", "--scene", "Two slabs", "--annotate", "caption"}).status, 0);
+  EXPECT_THAT(read_bytes(folder.file("c.svg")), HasSubstr(">Below and above</text>"));
+  ASSERT_EQ(
+      render({"-o", "d.svg", "--scene", "Two slabs", "--annotate", "caption", "--caption", "Mine"}).status,
+      0);
+  EXPECT_THAT(read_bytes(folder.file("d.svg")), HasSubstr(">Mine</text>"));
+}
+
+TEST_F(Scenes, TellWhatIsWrong) {
+  write("stale.toml", "[[scene]]\nname = \"A\"\nselect = \"Liver\"\n");
+  write("same.toml", "[[scene]]\nname = \"two slabs\"\nselect = \"*\"\n");
+  for (const auto& [options, message] :
+       {std::pair<Words, std::string>{{"--scene", "stale.toml"}, "stale.toml: scene \"A\": "},
+        {{"--scene", "none.toml"}, "none.toml"},
+        {{"--scene", "lesson.toml", "--scene", "same.toml"},
+         "same.toml: scene \"two slabs\": another file has one of this name"}}) {
+    const ProgramResult result = build(options);
+    EXPECT_EQ(result.status, 1);
+    EXPECT_THAT(result.err, HasSubstr(message));
+  }
+  EXPECT_EQ(
+      run_preprocess({"build", "-o", "lesson.toml", "--labels", "labels.nrrd", "--scene", "lesson.toml"},
+                     folder.path())
+          .status,
+      2);
+  ASSERT_EQ(build({"--scene", "lesson.toml"}).status, 0);
+  const ProgramResult unknown = render({"-o", "x.png", "--scene", "Liver"});
+  EXPECT_EQ(unknown.status, 4);
+  EXPECT_THAT(unknown.err,
+              AllOf(HasSubstr("--scene \"Liver\": the atlas has the scenes \"Two slabs\", \"Upper slab\"")));
+  for (const Words& other : {Words{"--select", "*"}, {"--view", "left"}, {"--azimuth", "3"}}) {
+    const ProgramResult both = render(joined({"-o", "x.png", "--scene", "Two slabs"}, other));
+    EXPECT_EQ(both.status, 2);
+    EXPECT_THAT(both.err, HasSubstr("--scene"));
+  }
+  ASSERT_EQ(build({}).status, 0);
+  EXPECT_THAT(render({"-o", "x.png", "--scene", "A"}).err,
+              HasSubstr("no scenes; build it with --scene FILE.toml"));
+}
+
+}  // namespace
+}  // namespace splatlas

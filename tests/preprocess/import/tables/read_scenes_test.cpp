@@ -1,0 +1,73 @@
+#include "preprocess/import/tables/read_scenes.h"
+
+#include <fstream>
+
+#include <gmock/gmock.h>
+
+#include "tests/support/fails_with.h"
+#include "tests/support/temporary_folder.h"
+
+namespace splatlas {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+struct ReadScenes : testing::Test {
+  TemporaryFolder folder;
+  [[nodiscard]] Result<SceneFile> read(const std::string& text) const {
+    const std::filesystem::path path = folder.path() / "lesson.toml";
+    std::ofstream(path, std::ios::binary) << text;
+    return read_scenes(path);
+  }
+};
+
+TEST_F(ReadScenes, InTheOrderOfTheFile) {
+  const auto file = read(R"(# A lesson
+[[scene]]
+name = "Whole"
+select = "*"
+
+[[scene]]
+name = "Größe"
+select = '"Sphere 1":surface(opacity=0.5) + Sphere*'
+caption = "What is this?"
+azimuth = 90
+elevation = -12.5
+zoom = 2
+)");
+  ASSERT_TRUE(file) << file.error().message;
+  const std::vector<Scene> expected{
+      {"Whole", "", "*", 0, 0, 1},
+      {"Größe", "What is this?", "\"Sphere 1\":surface(opacity=0.5) + Sphere*", 90, -12.5, 2}};
+  EXPECT_EQ(file->scenes, expected);
+}
+
+TEST_F(ReadScenes, TellsLineAndRemedyOfFaults) {
+  const std::string start = "[[scene]]\nname = \"A\"\nselect = \"*\"\n";
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"", "has no [[scene]]"},
+      {"title = \"x\"", "line 1: \"title\" is no [[scene]]"},
+      {"scene = 3", "line 1: \"scene\" is no [[scene]]"},
+      {"[[scene]]\nname = \"A\n", "line 2: "},
+      {"[[scene]]\nname = \"A\"\nselect = 3\n", "line 3: select must be a text in quotes"},
+      {"[[scene]]\nselect = \"*\"\n", "line 1: the scene has no name"},
+      {"[[scene]]\nname = \"A\"\n", "line 1: scene \"A\" has no selection; add select"},
+      {start + "zoom = 0\n", "line 4: zoom must be a number from 0.001 to 1000"},
+      {start + "elevation = 91\n", "line 4: elevation must be a number from -90 to 90"},
+      {start + "azimuth = nan\n", "line 4: azimuth must be a number from -360 to 360"},
+      {start + "azimuth = \"left\"\n", "line 4: azimuth must be a number"},
+      {start + "title = \"x\"\n", "line 4: unknown key \"title\"; a scene has name, select, caption"},
+      {start + "caption = \"a\\u202eb\"\n", "line 4: caption has a bidirectional control character"},
+      {start + start, "line 4: two scenes have the name \"A\""}};
+  for (const auto& [text, message] : cases) {
+    EXPECT_THAT(read(text),
+                FailsWith(ErrorCode::kFailed, AllOf(HasSubstr("lesson.toml: "), HasSubstr(message))))
+        << text;
+  }
+  EXPECT_THAT(read_scenes(folder.path() / "none.toml"),
+              FailsWith(ErrorCode::kFailed, HasSubstr("none.toml")));
+}
+
+}  // namespace
+}  // namespace splatlas
