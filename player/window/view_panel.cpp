@@ -156,18 +156,20 @@ void draw_view_state(const Session& session, const ViewArea& area) {
 }
 
 /// Draws number, name and caption of the scene at the bottom left.
-void draw_scene(const Session& session, const ViewArea& area) {
+void draw_scene(const Session& session, const ViewArea& area, const Fonts& fonts) {
   if (!session.scene()) return;
   const std::vector<Scene>& scenes = session.atlas().scenes();
   const Scene& scene = scenes[*session.scene()];
   std::string text = fmt::format("{}/{}  {}", *session.scene() + 1, scenes.size(), scene.name);
   if (!scene.caption.empty()) text += "\n" + scene.caption;
-  const float gap = ImGui::GetFontSize() * 0.8f, width = area.size.x - 2 * gap;
+  ImGui::PushFont(fonts.large);
+  const float gap = ImGui::GetFontSize() * 0.5f, width = area.size.x - 2 * gap;
   const float height = ImGui::CalcTextSize(text.c_str(), nullptr, false, width).y;
   const ImVec2 at{area.min.x + gap, area.max().y - gap - height};
   ImDrawList& draw = *ImGui::GetWindowDrawList();
-  draw.AddRectFilled({area.min.x, at.y - gap / 2}, area.max(), IM_COL32(0, 0, 0, 160));
+  draw.AddRectFilled({area.min.x, at.y - gap / 2}, area.max(), IM_COL32(0, 0, 0, 225));
   draw.AddText(nullptr, 0, at, IM_COL32_WHITE, text.c_str(), nullptr, width);
+  ImGui::PopFont();
 }
 
 float caption_height(const Fonts& fonts) {
@@ -200,16 +202,20 @@ void draw_caption(const Session& session, const ViewArea& area, const Fonts& fon
   ImGui::PopClipRect();
 }
 
-/// Draws the list of scenes, if the atlas has any.
-void scene_list(Session& session, LayoutLog& layout) {
+/// Draws one line to choose a scene, if the atlas has any.
+void scene_bar(Session& session, LayoutLog& layout) {
   const std::vector<Scene>& scenes = session.atlas().scenes();
   if (scenes.empty()) return;
+  if (layout.button("<", "scene_before")) session.show_scene_before();
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("scene before (Page up)");
   ImGui::SameLine();
-  ImGui::SetNextItemWidth(ImGui::GetFontSize() * 11);
+  if (layout.button(">", "next_scene")) session.show_next_scene();
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("next scene (Page down)");
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(ImGui::GetFontSize() * 24);
   const bool open =
       ImGui::BeginCombo("##scenes", session.scene() ? scenes[*session.scene()].name.c_str() : "Scenes");
   layout.item("scenes");
-  if (!open && ImGui::IsItemHovered()) ImGui::SetTooltip("scenes of the atlas (Page down, Page up)");
   if (!open) return;
   for (std::size_t n = 0; n < scenes.size(); ++n) {
     ImGui::PushID(static_cast<int>(n));
@@ -219,7 +225,7 @@ void scene_list(Session& session, LayoutLog& layout) {
   ImGui::EndCombo();
 }
 
-/// Draws one line of buttons: standard views, reset, scenes, save, help.
+/// Draws one line of buttons: standard views, reset, save, help.
 void view_toolbar(Session& session, UiState& ui, LayoutLog& layout) {
   const auto current = view_of(session.camera());
   for (const NamedView view : kNamedViews) {
@@ -243,7 +249,6 @@ void view_toolbar(Session& session, UiState& ui, LayoutLog& layout) {
   layout.item("depth");
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("darker behind what is near, and in furrows (D)");
 
-  scene_list(session, layout);
   const ImGuiStyle& style = ImGui::GetStyle();
   const float save = ImGui::CalcTextSize("Save picture").x + 2 * style.FramePadding.x;
   const float help = ImGui::CalcTextSize("Help").x + 2 * style.FramePadding.x;
@@ -281,6 +286,7 @@ void ViewPanel::upload(const std::shared_ptr<const DisplayFrame>& frame) {
 void ViewPanel::draw(Session& session, UiState& ui, const Fonts& fonts, LayoutLog& layout,
                      float height_below) {
   view_toolbar(session, ui, layout);
+  scene_bar(session, layout);
   const ViewArea area = area_here(height_below + caption_height(fonts));
   session.resize(area.pixels);
   layout.area("view", area.min, area.max());
@@ -290,7 +296,7 @@ void ViewPanel::draw(Session& session, UiState& ui, const Fonts& fonts, LayoutLo
   draw_picture(frame_.get(), texture_, area);
   draw_letters(session, area, fonts);
   draw_view_state(session, area);
-  draw_scene(session, area);
+  draw_scene(session, area, fonts);
   ImGui::PopClipRect();
   draw_caption(session, area, fonts);
 }
