@@ -1,6 +1,8 @@
 #include "player/render_page.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -10,6 +12,7 @@
 #include "player/files/picture_encoder.h"
 #include "player/files/text_drawer.h"
 #include "player/page/annotate_picture.h"
+#include "player/page/draw_outlines.h"
 #include "player/page/page_layout.h"
 
 namespace splatlas {
@@ -22,6 +25,31 @@ std::string printed_name(const Structure& structure) {
   std::string name = structure.name.empty() ? structure.id : structure.name;
   std::ranges::replace(name, '_', ' ');
   return printable(name);
+}
+
+/// A colour between two, in codes of sRGB.
+Rgb mix(Rgb a, Rgb b, double share) {
+  const auto channel = [share](std::uint8_t from, std::uint8_t to) {
+    return static_cast<std::uint8_t>(std::lround(from + share * (to - from)));
+  };
+  return {channel(a.r, b.r), channel(a.g, b.g), channel(a.b, b.b)};
+}
+
+/// Composites a picture over a vertical gradient.
+void paint_behind(Picture& picture, Rgb top, Rgb bottom) {
+  const auto [width, height] = picture.size;
+  for (int y = 0; y < height; ++y) {
+    const double share = height > 1 ? static_cast<double>(y) / (height - 1) : 0;
+    const Rgb color = mix(top, bottom, share);
+    const std::array<float, 3> behind{srgb_to_linear(color.r), srgb_to_linear(color.g),
+                                      srgb_to_linear(color.b)};
+    float* const row = &picture.rgba[4 * static_cast<std::size_t>(y) * static_cast<std::size_t>(width)];
+    for (std::size_t x = 0; x < static_cast<std::size_t>(width); ++x) {
+      float* const pixel = row + 4 * x;
+      for (std::size_t c = 0; c < 3; ++c) pixel[c] += (1 - pixel[3]) * behind[c];
+      pixel[3] = 1;
+    }
+  }
 }
 
 /// The structures in a picture of the renderer's selection, in the order of the tree.
@@ -54,6 +82,15 @@ struct PageRenderer::Impl {
         }),
         keeps_alpha(PictureEncoder::is_linear(path)) {
     if (options.items.any()) drawer.emplace(options.font);
+    options.render.ids = options.render.ids || options.outlines;
+    options.render.depths = options.render.depths || options.outlines;
+  }
+
+  /// The background behind most of the page.
+  [[nodiscard]] std::optional<Rgb> mean_background() const {
+    if (keeps_alpha) return std::nullopt;
+    const auto& [top, bottom] = std::pair(options.background, options.background_bottom);
+    return top && bottom ? std::optional(mix(*top, *bottom, 0.5)) : top;
   }
 
   [[nodiscard]] bool names_structures() const { return options.items.labels || options.items.legend; }
@@ -124,7 +161,7 @@ struct PageRenderer::Impl {
                                                  const Renderer& renderer) {
     const Atlas& atlas = renderer.atlas();
     SPLATLAS_ASSIGN_OR_RETURN(const View view, view_of(camera, options.render.size, atlas.display()));
-    AnnotatedScene scene{frame.picture, view, keeps_alpha ? std::nullopt : options.background};
+    AnnotatedScene scene{frame.picture, view, mean_background()};
     if (names_structures()) scene.structures = structures_of(frame, renderer);
     SPLATLAS_RETURN_IF_ERROR(drawer->wait());
     const AnnotationOptions content = annotation_options(atlas.provenance());
@@ -182,6 +219,11 @@ Result<Page> PageRenderer::render(Renderer& renderer, const Camera& camera, cons
   SPLATLAS_ASSIGN_OR_RETURN(page.camera, impl_->fit(renderer, camera, decode_ms));
   SPLATLAS_ASSIGN_OR_RETURN(page.frame, renderer.render(page.camera, options.render, control));
   page.frame.stats.decode_ms += decode_ms;
+  if (options.outlines) {
+    SPLATLAS_ASSIGN_OR_RETURN(const View view,
+                              view_of(page.camera, options.render.size, renderer.atlas().display()));
+    draw_outlines(page.frame.ids, page.frame.depths, view.plane.mm_per_pixel, page.frame.picture);
+  }
   if (!options.items.any()) return page;
   SPLATLAS_ASSIGN_OR_RETURN(page.annotations, impl_->annotate(page.frame, page.camera, renderer));
   return page;
@@ -195,6 +237,8 @@ Result<std::vector<std::byte>> PageRenderer::encode(Page& page) {
     annotations.layer = &page.annotations;
     annotations.dpi = annotation_dpi({.dpi = options.dpi}, options.render.size);
   }
+  if (options.background && options.background_bottom && !impl_->keeps_alpha)
+    paint_behind(page.frame.picture, *options.background, *options.background_bottom);
   return impl_->encoder.encode(page.frame.picture, options.background, annotations);
 }
 

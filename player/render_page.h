@@ -20,7 +20,10 @@ inline constexpr double kMinDpi = 72, kMaxDpi = 2400;
 struct PageOptions {
   bool fits_selection = true;  ///< false: the whole atlas, without room for annotations
   RenderOptions render = {};
-  std::optional<Rgb> background = Rgb{0, 0, 0};       ///< none: transparent
+  std::optional<Rgb> background = Rgb{0, 0, 0};  ///< none: transparent
+  /// At the bottom of a vertical gradient from `background`; none: the same.
+  std::optional<Rgb> background_bottom = std::nullopt;
+  bool outlines = false;                              ///< dark lines around structures
   AnnotationItems items = {};                         ///< none: a plain picture
   std::size_t max_labels = 40;                        ///< labels of the largest structures
   std::optional<std::string> caption = std::nullopt;  ///< not set: the title of the atlas

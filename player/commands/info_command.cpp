@@ -89,8 +89,8 @@ PrintableText info_text(const Atlas& atlas) {
     text.add("{} {} {}", separator, section.name, section.bytes);
     separator = ",";
   }
-  for (std::size_t n = 0; n < atlas.scenes().size(); ++n)
-    text.add("{}{}", n == 0 ? "\nscenes    " : ", ", in_quotes(atlas.scenes()[n].name));
+  if (!atlas.scenes().empty()) text.add("\nscenes    {}", in_quotes(atlas.scenes().front().name));
+  for (std::size_t n = 1; n < atlas.scenes().size(); ++n) text.add(", {}", in_quotes(atlas.scenes()[n].name));
   text.add("\n\n{:<50} {:>10} {:>10} {:>10}\n", "structure (again under every parent)", "interior",
            "boundary", "triangles");
   // Depth first with an explicit stack; a structure appears under each of its parents.

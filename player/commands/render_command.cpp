@@ -52,7 +52,7 @@ constexpr const char* kFooter =
     "\n"
     "Exit status: 0 done; 1 could not be done; 2 wrong usage; 3 not a valid atlas; 4 name not found.";
 
-using Background = std::optional<Rgb>;
+using Background = std::array<std::optional<Rgb>, 2>;
 
 std::optional<PictureSize> parse_size(std::string_view text) {
   const std::size_t x = std::min(text.find('x'), text.size());
@@ -65,8 +65,12 @@ std::optional<PictureSize> parse_size(std::string_view text) {
 
 std::optional<Background> parse_background(std::string_view text) {
   if (text == "transparent") return Background();
-  const auto color = parse_color(text);
-  return color ? std::optional<Background>(*color) : std::nullopt;
+  const std::size_t comma = std::min(text.find(','), text.size());
+  const auto top = parse_color(text.substr(0, comma));
+  if (!top) return std::nullopt;
+  if (comma == text.size()) return Background{*top};
+  const auto bottom = parse_color(text.substr(comma + 1));
+  return bottom ? std::optional(Background{*top, *bottom}) : std::nullopt;
 }
 
 std::optional<std::filesystem::path> parse_file_name(std::string_view text) {
@@ -300,15 +304,18 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
   add_quality(*command, request.page.render);
   add_cuts(*command, request.page.render, request.names_caps);
   const CLI::Option* background =
-      add_parsed(*command, "--background", request.page.background, parse_background,
-                 "must be #rrggbb or transparent", "#rrggbb or transparent; .jpg: black by default")
-          ->default_str(request.page.background ? to_hex(*request.page.background) : "transparent");
+      add_parsed(*command, "--background", request.background, parse_background,
+                 "must be #rrggbb, #rrggbb,#rrggbb or transparent",
+                 "#rrggbb; two of them, top and bottom of a gradient; or transparent. .jpg: black by default")
+          ->default_str(to_hex(*request.background[0]));
   command->parse_complete_callback([&request, background] {
-    if (background->count() == 0 || request.page.background || !PictureEncoder::is_opaque(request.output))
+    if (background->count() == 0 || request.background[0] || !PictureEncoder::is_opaque(request.output))
       return;
     throw CLI::ValidationError("--background \"transparent\"",
                                "a .jpg picture has no transparency; write .png, .tif or .exr");
   });
+  add_choice(*command, "--outline", request.page.outlines, {{"none", false}, {"edges", true}},
+             "dark lines around structures and at folds");
   add_annotations(*command, request.page);
   add_threads(*command, request.renderer.threads, "0: one per core; the picture does not depend on it");
   add_memory(*command, request.renderer.max_memory_bytes);
@@ -334,6 +341,8 @@ Result<RenderReport> run_render(const RenderRequest& request, const RenderContro
   PageOptions options = request.page;
   options.render.ids = !request.ids.empty();
   options.render.depths = !request.depth.empty();
+  options.background = request.background[0];
+  options.background_bottom = request.background[1];
   SPLATLAS_RETURN_IF_ERROR(check_files(request));
   SPLATLAS_RETURN_IF_ERROR(parse_selection(request.select));
   SPLATLAS_RETURN_IF_ERROR(view_of(request.camera, options.render.size, Display{}).map_error(with_option));

@@ -23,6 +23,7 @@ struct RenderRequest {
   Camera camera;
   FrameCenter center;
   PageOptions page;
+  std::array<std::optional<Rgb>, 2> background{Rgb{0, 0, 0}};  ///< top, bottom; none: transparent, as the top
   RendererOptions renderer;
   AtlasOptions atlas_options;
   std::filesystem::path stats;  ///< JSON file; empty: none

@@ -145,6 +145,7 @@ TEST_F(ErrorLines, OfRender) {
   refuses({"--view", "up"}, "--view \"up\"", "superior");
   refuses({"--quality", "\x1b"}, "--quality \"?\"", "draft, normal or high");
   refuses({"--surfaces", "round"}, "--surfaces \"round\"", "must be smooth or voxels");
+  refuses({"--background", "#000000,blue"}, "--background \"#000000,blue\"", "#rrggbb,#rrggbb");
   refuses({"--background", "blue"}, "--background \"blue\"", "#rrggbb");
   cases.push_back({{"render", "a.atlas", "-o", "x.jpeg", "--background", "transparent"},
                    2,

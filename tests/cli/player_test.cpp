@@ -122,6 +122,39 @@ TEST_F(PlayerRender, AnEmptySelectionGivesTheBackground) {
   }
 }
 
+TEST_F(PlayerRender, OutlinesAreDarkAndLeaveTheRest) {
+  render({"-o", "a.exr", "--select", "*:surface"}, "90x90");
+  render({"-o", "b.exr", "--select", "*:surface", "--outline", "edges"}, "90x90");
+  const std::vector<float> without = pixels("a.exr"), with = pixels("b.exr");
+  std::size_t darker = 0, same = 0;
+  for (std::size_t n = 0; n < without.size(); n += 4) {
+    if (without[n + 3] < 1) continue;
+    EXPECT_LE(with[n], without[n]);
+    (with[n] < without[n] ? darker : same) += 1;
+  }
+  EXPECT_GT(darker, 100u);
+  EXPECT_GT(same, 5 * darker);
+}
+
+TEST_F(PlayerRender, ABackgroundOfTwoColoursIsAGradient) {
+  for (const std::string name : {"g.png", "g.tif", "g.jpg"}) {
+    render({"-o", name, "--select", "", "--background", "#000000,#c8643c"}, "5x201");
+    const std::vector<float> picture = pixels(name);
+    ASSERT_EQ(picture.size(), std::size_t{3} * 5 * 201);
+    const std::array<float, 3> bottom{0xc8 / 255.0f, 0x64 / 255.0f, 0x3c / 255.0f};
+    for (std::size_t y = 0; y <= 200; y += 50) {
+      for (std::size_t n = 0; n < 15; ++n) {
+        const float expected = bottom[n % 3] * static_cast<float>(y) / 200;
+        EXPECT_NEAR(picture[15 * y + n], expected, name == "g.jpg" ? 0.03f : 0.004f) << name << " row " << y;
+      }
+    }
+  }
+  // Structures hide it, as any background
+  render({"-o", "a.png", "--select", "*:surface", "--background", "#204060,#204060"});
+  render({"-o", "b.png", "--select", "*:surface", "--background", "#204060"});
+  EXPECT_TRUE(bytes("a.png") == bytes("b.png"));
+}
+
 TEST_F(PlayerRender, WarnsOfPicturesThatShowNothing) {
   const auto warnings_of = [&](const Words& options) {
     const ProgramResult result =

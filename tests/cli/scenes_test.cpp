@@ -44,7 +44,7 @@ TEST_F(Scenes, AreDrawnAsTheirOptionsWould) {
   const ProgramResult built = build({"--scene", "lesson.toml"});
   ASSERT_EQ(built.status, 0) << built.err;
   EXPECT_THAT(run_player({"info", "a.atlas"}, folder.path()).out,
-              HasSubstr("scenes    \"Two slabs\", \"Upper slab\"\n"));
+              HasSubstr("\nscenes    \"Two slabs\", \"Upper slab\"\n\nstructure"));
   ASSERT_EQ(render({"-o", "a.png", "--scene", "upper SLAB"}).status, 0);
   ASSERT_EQ(render({"-o", "b.png", "--select", "#2:surface(color=#ff0000)", "--azimuth", "35", "--elevation",
                     "20", "--zoom", "0.8"})
