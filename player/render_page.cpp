@@ -19,6 +19,14 @@ namespace splatlas {
 namespace {
 
 constexpr int kMaxPicks = 40000;
+/// Longer texts would take the whole page, and seconds to lay out.
+constexpr std::size_t kMaxTextBytes = 4000;
+
+/// A text as printed, cut off if it is too long.
+std::string one_line(std::string_view text) {
+  std::string line = printable(text.substr(0, kMaxTextBytes));
+  return text.size() > kMaxTextBytes ? line + "\xe2\x80\xa6" : line;
+}
 
 /// The name of a structure as printed: blanks for underscores.
 std::string printed_name(const Structure& structure) {
@@ -96,8 +104,8 @@ struct PageRenderer::Impl {
   [[nodiscard]] bool names_structures() const { return options.items.labels || options.items.legend; }
 
   [[nodiscard]] AnnotationOptions annotation_options(const Provenance& provenance) const {
-    return {options.items, options.max_labels, printable(options.caption.value_or(provenance.title)),
-            printable(provenance.citation), options.dpi};
+    return {options.items, options.max_labels, one_line(options.caption.value_or(provenance.title)),
+            one_line(provenance.citation), options.dpi};
   }
 
   /// Structures of a small draft, with areas as in the picture. `decode_ms`: adds the draft's.
@@ -166,9 +174,12 @@ struct PageRenderer::Impl {
     SPLATLAS_RETURN_IF_ERROR(drawer->wait());
     const AnnotationOptions content = annotation_options(atlas.provenance());
     SPLATLAS_ASSIGN_OR_RETURN(AnnotationLayer layer, annotate_picture(scene, content, measure));
-    if (options.items.caption && content.caption.empty())
+    if (options.items.caption && content.caption.empty() && !options.caption)
       layer.notes.emplace_back("the atlas has no title; give a caption with --caption TEXT");
     note_missing_glyphs(layer);
+    if (names_structures() && scene.structures.empty() && frame.stats.triangles > 0)
+      layer.notes.emplace_back(
+          "the memory does not suffice to name structures; raise --memory, or take a smaller --size");
     if (options.items.citation && content.citation.empty())
       layer.notes.emplace_back("the atlas has no citation; build it with --citation TEXT");
     return layer;
@@ -180,9 +191,13 @@ struct PageRenderer::Impl {
     const auto first = std::ranges::find_if(layer.texts, lacks);
     if (first == layer.texts.end()) return;
     const auto others = std::count_if(first + 1, layer.texts.end(), lacks);
-    layer.notes.push_back(fmt::format(
-        "no font has all letters of \"{}\"{}; install one, such as fonts-noto, or take --font FILE",
-        first->text, others > 0 ? fmt::format(" and {} other texts", others) : ""));
+    layer.notes.push_back(
+        fmt::format("no font has all letters of \"{}\"{}; install one, such as fonts-noto or fonts-noto-cjk, "
+                    "or take --font FILE",
+                    first->text,
+                    others == 0   ? ""
+                    : others == 1 ? " and another text"
+                                  : fmt::format(" and {} other texts", others)));
   }
 
   PageOptions options;
@@ -213,7 +228,7 @@ void PageRenderer::set_caption(std::string caption) {
 
 Result<Page> PageRenderer::render(Renderer& renderer, const Camera& camera, const RenderControl& control) {
   const PageOptions& options = impl_->options;
-  impl_->title = printable(options.caption.value_or(renderer.atlas().provenance().title));
+  impl_->title = one_line(options.caption.value_or(renderer.atlas().provenance().title));
   double decode_ms = 0;
   Page page;
   SPLATLAS_ASSIGN_OR_RETURN(page.camera, impl_->fit(renderer, camera, decode_ms));

@@ -268,12 +268,13 @@ struct Renderer::Impl {
   /// Picks in the n-th frame. Rasterises its surfaces again if another frame has replaced its fragments.
   [[nodiscard]] std::optional<Pick> pick(const ShownFrame& frame, std::uint64_t n, const IdImage& ids,
                                          double x, double y) {
-    if (n < first_shown) return std::nullopt;
+    if (n < first_shown || n == too_large) return std::nullopt;
     if (rasterized != n) {
-      const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache(), frame.surface_level);
       rasterized = 0;
-      if (!rasterize_again(frame, surfaces, atlas->grid(), buffers, pool)) return std::nullopt;
-      rasterized = n;
+      const auto again = rasterize_again(frame, drawn.surfaces(decoded.cache(), frame.surface_level),
+                                         atlas->grid(), buffers, pool);
+      (again ? rasterized : too_large) = n;
+      if (!again) return std::nullopt;
     }
     const Axis axis = frame.sheets.value_or(Axis::kZ);
     const SelectedRuns* runs = frame.sheets ? spans.runs(axis) : nullptr;
@@ -325,11 +326,11 @@ struct Renderer::Impl {
   // State of frames: the current one, and how finished ones are picked.
   FrameBuffers buffers;
   RenderStats stats;
-  ShownFrame shown;               // the latest finished one
-  std::uint64_t frames = 0;       // finished so far
-  std::uint64_t first_shown = 1;  // the first one of the current draw plan
-  std::uint64_t rasterized = 0;   // the one with its fragments in the buffers; 0: none
-  double fit_decode_ms = 0;       // of calls of fit() since the latest frame
+  ShownFrame shown;                             // the latest finished one
+  std::uint64_t frames = 0;                     // finished so far
+  std::uint64_t first_shown = 1;                // the first one of the current draw plan
+  std::uint64_t rasterized = 0, too_large = 0;  // with fragments in the buffers; beyond memory. 0: none
+  double fit_decode_ms = 0;                     // of calls of fit() since the latest frame
 };
 
 Renderer::Renderer(std::shared_ptr<const Atlas> atlas, const RendererOptions& options)

@@ -18,7 +18,7 @@ check() {
   fi
 }
 
-check product 57650 format preprocess player schemas
-check tests 47950 tests
+check product 57720 format preprocess player schemas
+check tests 47960 tests
 check bench 8340 bench
 exit "$bad"

@@ -64,8 +64,9 @@ void add_annotations(CLI::App& command, PageOptions& options) {
   const auto line = [](std::string_view text) {
     return printable(text) == text ? std::optional<std::string>(text) : std::nullopt;
   };
-  needs_it(add_parsed(command, "--caption", options.caption, line, "must be one line of UTF-8 text",
-                      "text below the picture; default: the title of the atlas"));
+  needs_it(add_parsed(command, "--caption", options.caption, line,
+                      "must be one line of visible UTF-8 characters",
+                      "text below the picture; default: that of --scene, or the title of the atlas"));
   const auto labels = [](std::string_view text) { return number_within<std::size_t>(text, 0, 1000); };
   needs_it(add_parsed(command, "--max-labels", options.max_labels, labels, "must be a number from 0 to 1000",
                       "names the largest structures only")

@@ -287,11 +287,14 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
       ->required();
   CLI::Option* select =
       command->add_option("--select", request.select, "selection text (see below)")->capture_default_str();
-  CLI::Option* scene = command
-                           ->add_option("--scene", request.scene,
-                                        "a named view of the atlas: its selection, direction, zoom and "
-                                        "caption; other options are as given")
-                           ->excludes(select);
+  const auto name = [](std::string_view text) {
+    return text.empty() ? std::nullopt : std::optional<std::string>(text);
+  };
+  CLI::Option* scene =
+      add_parsed(
+          *command, "--scene", request.scene, name, "must name a scene",
+          "a named view of the atlas: its selection, direction, zoom and caption; other options are as given")
+          ->excludes(select);
   add_parsed(
       *command, "--size", request.page.render.size, parse_size,
       fmt::format("must be WIDTHxHEIGHT in pixels, each from 1 to {}, as in 1024x768", kMaxPictureSide),

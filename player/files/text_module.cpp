@@ -1,6 +1,6 @@
 #include "player/files/text_module.h"
 
-#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <numbers>
@@ -32,12 +32,31 @@ using Description = std::unique_ptr<PangoFontDescription, Destroy<pango_font_des
 
 constexpr const char* kFamilies = "Liberation Sans,DejaVu Sans,sans-serif";
 
-/// Adds a font file to a configuration. False if it cannot be read.
-bool add_font(const std::string& file, FcConfig* config) {
+/// Adds the first face of a font file to a configuration. Returns letters that it has; none if it cannot be
+/// read.
+std::vector<std::string> add_font(const std::string& file, FcConfig* config) {
+  constexpr std::size_t kLetters = 20;
   const auto* const name = reinterpret_cast<const FcChar8*>(file.c_str());
   int faces = 0;
   const FontPattern font(FcFreeTypeQuery(name, 0, nullptr, &faces));
-  return font && FcConfigAppFontAddFile(config, name) == FcTrue;
+  FcCharSet* characters = nullptr;
+  if (!font || FcPatternGetCharSet(font.get(), FC_CHARSET, 0, &characters) != FcResultMatch) return {};
+  std::vector<std::string> letters;
+  FcChar32 next = 0;
+  std::array<FcChar32, FC_CHARSET_MAP_SIZE> map{};
+  for (FcChar32 page = FcCharSetFirstPage(characters, map.data(), &next);
+       page != FC_CHARSET_DONE && letters.size() < kLetters;
+       page = FcCharSetNextPage(characters, map.data(), &next)) {
+    for (FcChar32 bit = 0; bit < 32 * map.size() && letters.size() < kLetters; ++bit) {
+      const gunichar c = page + bit;
+      if ((map[bit / 32] >> bit % 32 & 1u) == 0 || g_unichar_isalpha(c) == FALSE) continue;
+      std::array<char, 7> utf8{};
+      g_unichar_to_utf8(c, utf8.data());
+      letters.emplace_back(utf8.data());
+    }
+  }
+  if (FcConfigAppFontAddFile(config, name) == FcFalse) return {};
+  return letters;
 }
 
 void set_color(cairo_t* cairo, Rgb color, double opacity = 1) {
@@ -101,8 +120,11 @@ class PangoEngine : public TextEngine {
       : font_(font), config_(FcInitLoadConfigAndFonts()) {
     // Messages of the libraries would be lines of the program
     g_log_set_default_handler([](const char*, GLogLevelFlags, const char*, void*) {}, nullptr);
-    if (!font.empty() && !add_font(font, config_.get()))
-      error = font + ": cannot be read as a font; give a .ttf or .otf file";
+    std::vector<std::string> letters;
+    if (!font.empty()) {
+      letters = add_font(font, config_.get());
+      if (letters.empty()) error = font + ": cannot be read as a font with letters; give a .ttf or .otf file";
+    }
     map_.reset(pango_cairo_font_map_new_for_font_type(CAIRO_FONT_TYPE_FT));
     pango_fc_font_map_set_config(PANGO_FC_FONT_MAP(map_.get()), config_.get());
     if (!font.empty()) {
@@ -124,7 +146,9 @@ class PangoEngine : public TextEngine {
     const FcFontSet* const installed = FcConfigGetFonts(config_.get(), FcSetSystem);
     if (error.empty() && font.empty() && (installed == nullptr || installed->nfont == 0))
       error = "no font is installed; install fonts-liberation or fonts-dejavu-core, or take --font FILE";
-    if (error.empty()) check_size("M", ink_of(*line_of("M", 1000, FontStyle::kRegular)), 1000, error);
+    for (const std::string& letter : letters) {
+      if (error.empty() && !draws(letter)) error = font + ": is damaged; its letters cannot be drawn";
+    }
   }
 
   double width(std::string_view text, double size, FontStyle style) override {
@@ -209,6 +233,26 @@ class PangoEngine : public TextEngine {
     pango_layout_set_single_paragraph_mode(layout.get(), TRUE);
     pango_layout_set_text(layout.get(), text.data(), static_cast<int>(text.size()));
     return layout;
+  }
+
+  /// True if the file of the font has ink and width for a letter, of a sensible size.
+  [[nodiscard]] bool draws(const std::string& letter) const {
+    constexpr double kSize = 1000;
+    const Layout layout = line_of(letter, kSize, FontStyle::kRegular);
+    const PangoLayoutLine* const line = pango_layout_get_line_readonly(layout.get(), 0);
+    if (line->runs == nullptr) return false;
+    const auto* const run = static_cast<const PangoGlyphItem*>(line->runs->data);
+    FcPattern* const used = pango_fc_font_get_pattern(PANGO_FC_FONT(run->item->analysis.font));
+    FcChar8* file = nullptr;
+    if (FcPatternGetString(used, FC_FILE, 0, &file) != FcResultMatch ||
+        font_ != reinterpret_cast<const char*>(file))
+      return false;
+    const Box ink = ink_of(*layout);
+    std::string error;
+    check_size(letter, ink, kSize, error);
+    int units = 0;
+    pango_layout_get_size(layout.get(), &units, nullptr);
+    return error.empty() && ink.width > 0 && ink.height > 0 && units > 0 && units < 8 * kSize * PANGO_SCALE;
   }
 
   [[nodiscard]] static Box ink_of(PangoLayout& layout) {

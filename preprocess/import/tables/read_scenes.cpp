@@ -18,6 +18,7 @@ namespace splatlas {
 namespace {
 
 constexpr double kMaxZoom = 1000;
+constexpr std::size_t kMaxTextBytes = 4000;
 constexpr std::string_view kKeys = "name, select, caption, azimuth, elevation and zoom";
 
 /// The reader of one table [[scene]]. Keeps the first error.
@@ -46,6 +47,8 @@ class SceneReader {
       }
     }
     if (scene.name.empty()) refuse(table_, "the scene has no name; add name = \"...\"");
+    if (trimmed(scene.name) != scene.name)
+      refuse(table_, fmt::format("name {} begins or ends with a blank; remove it", in_quotes(scene.name)));
     if (scene.selection.empty())
       refuse(table_, fmt::format("scene {} has no selection; add select = \"...\"", in_quotes(scene.name)));
     if (error_) return tl::unexpected(*error_);
@@ -61,9 +64,12 @@ class SceneReader {
   [[nodiscard]] std::string text(const toml::node& value, std::string_view key) {
     const auto found = value.value<std::string>();
     if (!found) refuse(value, fmt::format("{} must be a text in quotes", key));
-    const std::string fault = fault_of_text(found.value_or(""));
-    if (!fault.empty()) refuse(value, fmt::format("{} {}", key, fault));
-    return found.value_or("");
+    std::string text = found.value_or("");
+    if (printable(text) != text)
+      refuse(value, fmt::format("{} must be one line of visible UTF-8 characters", key));
+    if (text.size() > kMaxTextBytes)
+      refuse(value, fmt::format("{} has {} bytes; {} are allowed", key, text.size(), kMaxTextBytes));
+    return text;
   }
   [[nodiscard]] double number(const toml::node& value, std::string_view key, double low, double high) {
     const auto found = value.value<double>();

@@ -58,7 +58,11 @@ TEST_F(ReadScenes, TellsLineAndRemedyOfFaults) {
       {start + "azimuth = nan\n", "line 4: azimuth must be a number from -360 to 360"},
       {start + "azimuth = \"left\"\n", "line 4: azimuth must be a number"},
       {start + "title = \"x\"\n", "line 4: unknown key \"title\"; a scene has name, select, caption"},
-      {start + "caption = \"a\\u202eb\"\n", "line 4: caption has a bidirectional control character"},
+      {start + "caption = \"a\\u202eb\"\n", "line 4: caption must be one line of visible UTF-8 characters"},
+      {start + "caption = \"\"\"a\nb\"\"\"\n", "line 4: caption must be one line"},
+      {start + "caption = \"" + std::string(4001, 'a') + "\"\n",
+       "line 4: caption has 4001 bytes; 4000 are allowed"},
+      {"[[scene]]\nname = \"A \"\nselect = \"*\"\n", "line 1: name \"A \" begins or ends with a blank"},
       {start + start, "line 4: two scenes have the name \"A\""}};
   for (const auto& [text, message] : cases) {
     EXPECT_THAT(read(text),
