@@ -49,7 +49,7 @@ class DraftPace {
   int step_ = 0, max_ = 1;
 };
 
-/// Chooses the level of the surfaces of each draft: one whose silhouettes are exact within a pixel, or a
+/// Chooses the level of the surfaces of each draft: one whose silhouettes are nearly exact, or a
 /// coarser one by the time of the latest draft.
 class SurfacePace {
  public:
