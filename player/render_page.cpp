@@ -24,8 +24,10 @@ constexpr std::size_t kMaxTextBytes = 4000;
 
 /// A text as printed, cut off if it is too long.
 std::string one_line(std::string_view text) {
-  std::string line = printable(text.substr(0, kMaxTextBytes));
-  return text.size() > kMaxTextBytes ? line + "\xe2\x80\xa6" : line;
+  if (text.size() <= kMaxTextBytes) return printable(text);
+  std::size_t end = kMaxTextBytes;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0u) == 0x80u) --end;  // whole characters
+  return printable(text.substr(0, end)) + "\xe2\x80\xa6";
 }
 
 /// The name of a structure as printed: blanks for underscores.

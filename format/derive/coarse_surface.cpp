@@ -259,12 +259,7 @@ std::optional<SurfaceMesh> coarse_surface(const Coverage& coverage, const Grid& 
   if (misses_parts(coverage, field, crop)) return std::nullopt;
   SurfaceNet net = surface_net(crop);
 
-  SurfaceMesh mesh;
-  mesh.position_scale = static_cast<std::uint32_t>(SurfaceRule::kSmooth);
-  mesh.triangles = std::move(net.triangles);
-  if (determinant(index_to_lps_mm(grid).linear) < 0) {  // mirrors
-    for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
-  }
+  SurfaceMesh mesh = triangles_of(net, grid, SurfaceRule::kSmooth);
   const auto width = static_cast<float>(1 << coverage.level());
   const VoxelNormals normals(grid);
   TaskPace pace;

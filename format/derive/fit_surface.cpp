@@ -135,17 +135,6 @@ void visit_slices(const StructureCrop& crop, const SliceVisitor& visit_slice) {
   }
 }
 
-/// The triangles of a net, turned outwards in LPS, without vertices.
-SurfaceMesh triangles_of(SurfaceNet& net, const Grid& grid, SurfaceRule rule) {
-  SurfaceMesh mesh;
-  mesh.position_scale = static_cast<std::uint32_t>(rule);
-  mesh.triangles = std::move(net.triangles);
-  if (determinant(index_to_lps_mm(grid).linear) < 0) {  // mirrors
-    for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
-  }
-  return mesh;
-}
-
 /// Position at `offset` from a vertex's first voxel.
 Vec3f position_of(const NetVertex& vertex, float offset) {
   Vec3f position;
@@ -218,6 +207,16 @@ Vec3f VoxelNormals::to_lps(const Vec3f& g) const {
     result[c] = static_cast<float>(to_index_[c] * g[0] + to_index_[3 + c] * g[1] + to_index_[6 + c] * g[2]);
   }
   return result;
+}
+
+SurfaceMesh triangles_of(SurfaceNet& net, const Grid& grid, SurfaceRule rule) {
+  SurfaceMesh mesh;
+  mesh.position_scale = static_cast<std::uint32_t>(rule);
+  mesh.triangles = std::move(net.triangles);
+  if (determinant(index_to_lps_mm(grid).linear) < 0) {  // mirrors
+    for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+  }
+  return mesh;
 }
 
 PackedNormal VoxelNormals::normal(const Vec3f& gradient) const {

@@ -18,6 +18,8 @@
 
 namespace splatlas {
 
+struct SurfaceNet;
+
 /// Normals of boundary voxels: the negative gradient of the structure's smoothed mask (SmoothGradient), in
 /// LPS.
 class VoxelNormals {
@@ -31,6 +33,9 @@ class VoxelNormals {
  private:
   Matrix3 to_index_;
 };
+
+/// The triangles of a net, turned outwards in LPS, without vertices. Takes them out of the net.
+[[nodiscard]] SurfaceMesh triangles_of(SurfaceNet& net, const Grid& grid, SurfaceRule rule);
 
 /// Called with the gradients of each slice k of the crop, in order.
 using SliceVisitor = std::function<void(const SmoothGradient& gradient, std::int64_t k)>;

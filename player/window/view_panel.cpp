@@ -202,15 +202,20 @@ void draw_caption(const Session& session, const ViewArea& area, const Fonts& fon
   ImGui::PopClipRect();
 }
 
+/// A button with a text that explains it. True when it is pressed.
+bool button(LayoutLog& layout, const char* title, const char* name, const char* tip) {
+  const bool pressed = layout.button(title, name);
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tip);
+  return pressed;
+}
+
 /// Draws one line to choose a scene, if the atlas has any.
 void scene_bar(Session& session, LayoutLog& layout) {
   const std::vector<Scene>& scenes = session.atlas().scenes();
   if (scenes.empty()) return;
-  if (layout.button("<", "scene_before")) session.show_scene_before();
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("scene before (Page up)");
+  if (button(layout, "<", "scene_before", "scene before (Page up)")) session.show_scene_before();
   ImGui::SameLine();
-  if (layout.button(">", "next_scene")) session.show_next_scene();
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("next scene (Page down)");
+  if (button(layout, ">", "next_scene", "next scene (Page down)")) session.show_next_scene();
   ImGui::SameLine();
   ImGui::SetNextItemWidth(ImGui::GetFontSize() * 24);
   const bool open =
@@ -238,11 +243,9 @@ void view_toolbar(Session& session, UiState& ui, LayoutLog& layout) {
     ImGui::SameLine();
   }
   ImGui::SameLine(0, ImGui::GetFontSize());
-  if (layout.button("Reset", "reset")) session.reset_view();
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("first view, fitted to the selection (Home)");
+  if (button(layout, "Reset", "reset", "first view, fitted to the selection (Home)")) session.reset_view();
   ImGui::SameLine();
-  if (layout.button("Fit", "fit")) session.frame_selection();
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("the selection fills the picture (F)");
+  if (button(layout, "Fit", "fit", "the selection fills the picture (F)")) session.frame_selection();
   ImGui::SameLine();
   bool edges = session.depth_cue() == DepthCue::kEdges;
   if (ImGui::Checkbox("Depth", &edges)) session.set_depth_cue(edges ? DepthCue::kEdges : DepthCue::kNone);
@@ -255,8 +258,7 @@ void view_toolbar(Session& session, UiState& ui, LayoutLog& layout) {
   ImGui::SameLine();
   const float room = ImGui::GetContentRegionAvail().x - save - help - style.ItemSpacing.x;
   if (room > 0) ImGui::SetCursorPosX(ImGui::GetCursorPosX() + room);
-  if (layout.button("Save picture", "save")) session.save_picture();
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("as PNG beside the atlas (Ctrl+S)");
+  if (button(layout, "Save picture", "save", "as PNG beside the atlas (Ctrl+S)")) session.save_picture();
   ImGui::SameLine();
   if (layout.button("Help", "help")) ui.show_help = !ui.show_help;
 }
