@@ -18,7 +18,7 @@ namespace splatlas {
 namespace {
 
 constexpr double kMaxZoom = 1000;
-constexpr std::size_t kMaxTextBytes = 4000;
+constexpr std::size_t kMaxSceneText = 4000;
 constexpr std::string_view kKeys = "name, select, caption, azimuth, elevation and zoom";
 
 /// The reader of one table [[scene]]. Keeps the first error.
@@ -67,8 +67,8 @@ class SceneReader {
     std::string text = found.value_or("");
     if (printable(text) != text)
       refuse(value, fmt::format("{} must be one line of visible UTF-8 characters", key));
-    if (text.size() > kMaxTextBytes)
-      refuse(value, fmt::format("{} has {} bytes; {} are allowed", key, text.size(), kMaxTextBytes));
+    if (text.size() > kMaxSceneText)
+      refuse(value, fmt::format("{} has {} bytes; {} are allowed", key, text.size(), kMaxSceneText));
     return text;
   }
   [[nodiscard]] double number(const toml::node& value, std::string_view key, double low, double high) {
