@@ -51,7 +51,7 @@ endmacro()
 
 add_library(splatlas_flags INTERFACE)
 target_compile_options(splatlas_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
-  -Wnon-virtual-dtor -Wold-style-cast -Wno-shorten-64-to-32 -Wno-c++11-narrowing $<$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>:-Wno-shadow>
+  -Wnon-virtual-dtor -Wold-style-cast -Wno-shorten-64-to-32 -Wno-c++11-narrowing -Wno-pragma-clang-attribute $<$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>:-Wno-shadow>
   -include ${PROJECT_SOURCE_DIR}/player/web/compat/missing_library.h)
 target_include_directories(splatlas_flags SYSTEM INTERFACE ${PROJECT_SOURCE_DIR}/player/web/compat)
 

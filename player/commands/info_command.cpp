@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "player/commands/info_json.h"
+#include "player/web/info_json.h"
 
 namespace splatlas {
 

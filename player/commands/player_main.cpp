@@ -19,9 +19,9 @@
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
 #include "player/commands/info_command.h"
-#include "player/commands/info_json.h"
 #include "player/commands/render_command.h"
 #include "player/render/simd/simd_choice.h"
+#include "player/web/info_json.h"
 #include "player/window/window_module.h"
 
 namespace splatlas {

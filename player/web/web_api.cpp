@@ -13,10 +13,10 @@
 
 #include "format/result_macros.h"
 #include "format/text/json_text.h"
-#include "player/commands/info_json.h"
-#include "player/commands/render_warnings.h"
 #include "player/renderer.h"
+#include "player/web/info_json.h"
 #include "player/web/ray_casting.h"
+#include "player/web/render_warnings.h"
 
 namespace splatlas {
 namespace {

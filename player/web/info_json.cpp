@@ -1,4 +1,4 @@
-#include "player/commands/info_json.h"
+#include "player/web/info_json.h"
 
 #include <nlohmann/json.hpp>
 
