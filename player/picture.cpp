@@ -7,6 +7,7 @@
 
 #include "format/content/color.h"
 #include "format/result_macros.h"
+#include "format/text/ascii_text.h"
 
 namespace splatlas {
 namespace {
@@ -91,6 +92,12 @@ std::vector<std::uint8_t> to_srgba8(const Picture& picture) {
   std::vector<std::uint8_t> bytes(picture.rgba.size());
   fill_srgba8(picture, bytes);
   return bytes;
+}
+
+std::string describe(const MissingPart& missing, const StructureGraph& graph) {
+  const std::string what = missing.surface ? "surface" : fmt::format("volume of {} voxels", missing.voxels);
+  return fmt::format("{}: its {} is missing: {}", in_quotes(graph[missing.structure].id), what,
+                     missing.error.message);
 }
 
 }  // namespace splatlas

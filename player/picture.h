@@ -1,10 +1,11 @@
-// Pictures in linear RGB, id images, depth maps and picked structures.
+// Pictures in linear RGB, id images, depth maps, picked structures and missing parts.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "format/content/color.h"
@@ -69,6 +70,18 @@ struct Pick {
   StructureIndex structure = kNoStructure;
   Vec3 point_lps_mm{0, 0, 0};  ///< point on the ray where the structure contributes most
 };
+
+/// Volume or surface of a selected structure that cannot be read.
+struct MissingPart {
+  StructureIndex structure = kNoStructure;
+  bool surface = false;      ///< true: its surface; false: voxels of its volume
+  std::uint64_t voxels = 0;  ///< number of missing voxels; 0 for a surface
+  Error error;               ///< error of its first unreadable stream
+};
+
+/// One line with structure, part and error, such as: "Vermis_3": its volume of 1234 voxels is missing:
+/// a.atlas: damaged: checksum of values of classes 3 to 4.
+[[nodiscard]] std::string describe(const MissingPart& missing, const StructureGraph& graph);
 
 /// Bytes to render and encode a picture of this size: its floats, and the same amount for the encoder.
 [[nodiscard]] constexpr std::uint64_t picture_bytes(const PictureSize& size) {

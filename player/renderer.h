@@ -10,7 +10,6 @@
 #include "format/atlas_reader.h"
 #include "format/content/selection.h"
 #include "player/camera.h"
-#include "player/missing_parts.h"
 #include "player/picture.h"
 #include "player/render_options.h"
 

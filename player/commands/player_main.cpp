@@ -21,6 +21,7 @@
 #include "player/commands/info_command.h"
 #include "player/commands/render_command.h"
 #include "player/render/simd/simd_choice.h"
+#include "player/web/info_json.h"
 #include "player/window/window_module.h"
 
 namespace splatlas {

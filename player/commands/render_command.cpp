@@ -22,8 +22,8 @@
 #include "format/text/ascii_text.h"
 #include "format/text/json_text.h"
 #include "player/commands/annotate_options.h"
-#include "player/commands/render_warnings.h"
 #include "player/files/picture_encoder.h"
+#include "player/web/render_warnings.h"
 #include "player/write_picture.h"
 
 namespace splatlas {

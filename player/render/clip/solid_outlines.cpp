@@ -233,7 +233,7 @@ SolidOutlines::SolidOutlines(const VoxelPlane& plane, std::size_t b, std::size_t
   for (auto first = cells.begin(); first != cells.end();) {
     const auto end =
         std::find_if(first, cells.end(), [&](const CellSegment& one) { return one.row != first->row; });
-    builder.add(std::span(first, end));
+    builder.add(std::span(&*first, static_cast<std::size_t>(end - first)));
     first = end;
   }
 }

@@ -12,7 +12,7 @@
 #include "format/content/decision_tree.h"
 #include "format/derive/coarse_surface.h"
 #include "format/tasks/thread_pool.h"
-#include "player/missing_parts.h"
+#include "player/picture.h"
 #include "player/render/decode/scanline_runs.h"
 #include "player/render/decode/sparse_bytes.h"
 #include "player/render/decode/surface_clusters.h"

@@ -183,7 +183,9 @@ std::span<const ClassRun> ScanlineRuns::slice(std::int64_t n) const {
 }
 
 std::span<const std::int64_t> ScanlineRuns::occupied(std::int64_t first, std::int64_t last) const {
-  return {std::ranges::lower_bound(numbers_, first), std::ranges::upper_bound(numbers_, last)};
+  const auto begin = std::ranges::lower_bound(numbers_, first) - numbers_.begin();
+  const auto end = std::ranges::upper_bound(numbers_, last) - numbers_.begin();
+  return std::span(numbers_).subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(end - begin));
 }
 
 /// Adds the slices that are missing.

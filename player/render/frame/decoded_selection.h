@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "player/missing_parts.h"
+#include "player/picture.h"
 #include "player/render/clip/face_classes.h"
 #include "player/render/decode/class_cache.h"
 #include "player/render/frame/draft_pace.h"

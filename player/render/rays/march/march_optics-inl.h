@@ -85,7 +85,12 @@ class ShortTransfer : public TransferView {
 template <class V>
 HWY_INLINE auto Permute(const float* row, V indices) {
   const hn::Rebind<float, hn::DFromV<V>> d;
-  return hn::TableLookupLanes(hn::Load(d, row), hn::IndicesFromVec(d, indices));
+  const auto lanes = hn::IndicesFromVec(d, indices);
+#if HWY_TARGET == HWY_WASM  // Highway emulates it byte by byte
+  return hn::Vec<decltype(d)>{wasm_i8x16_swizzle(hn::Load(d, row).raw, lanes.raw)};
+#else
+  return hn::TableLookupLanes(hn::Load(d, row), lanes);
+#endif
 }
 template <class V>
 HWY_INLINE auto Permute(const float* row, const Pair<V>& indices) {

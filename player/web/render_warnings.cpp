@@ -1,4 +1,4 @@
-#include "player/commands/render_warnings.h"
+#include "player/web/render_warnings.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,0 +1,51 @@
+// What a page lacks of a system: files, an environment, a process. Replaces sources of the format and
+// functions of the C library, so that the module imports a clock and an exit alone.
+#include <algorithm>
+#include <utility>
+
+#include "format/io/input_file.h"
+#include "format/io/memory_limit.h"
+#include "format/result_macros.h"
+#include "player/render/sheets/splat/splat_kernels.h"
+
+extern "C" {
+char* getenv(const char* /*name*/) {
+  return nullptr;
+}
+int __syscall_madvise(int /*address*/, int /*length*/, int /*advice*/) {
+  return 0;
+}
+void emscripten_notify_memory_growth(std::uint32_t /*memory*/) {}
+}
+
+namespace splatlas {
+
+Result<InputFile> InputFile::open(const std::filesystem::path& path, bool /*map*/) {
+  return fail(ErrorCode::kFailed, "{}: a page opens no files", path.string());
+}
+
+InputFile::InputFile(std::vector<std::byte> bytes, std::string name)
+    : bytes_(std::move(bytes)), size_(bytes_.size()), name_(std::move(name)) {}
+InputFile::InputFile(InputFile&& other) noexcept
+    : bytes_(std::move(other.bytes_)), size_(std::exchange(other.size_, 0)), name_(std::move(other.name_)) {}
+InputFile::~InputFile() = default;
+
+Result<void> InputFile::read(std::uint64_t offset, std::span<std::byte> to) const {
+  if (offset > size_ || to.size() > size_ - offset)
+    return invalid_atlas("truncated: bytes {} to {} of {}", offset, offset + to.size(), size_);
+  std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(offset), to.size(), to.begin());
+  return {};
+}
+
+std::uint64_t machine_memory() {
+  return std::uint64_t{2} << 30;  // as the module is linked
+}
+std::uint64_t default_memory_limit() {
+  return machine_memory() / 2;
+}
+
+const SplatKernels& scalar_kernels() {  // the module has one instruction set
+  return best_kernels();
+}
+
+}  // namespace splatlas

@@ -1,0 +1,19 @@
+#!/usr/bin/env bash
+# Fetches Debian's signed sources of the libraries that the web module compiles, into FOLDER, as FOLDER/highway,
+# FOLDER/libzstd and FOLDER/meshoptimizer. The machine's own lists of apt stay as they are.
+#   fetch_web_sources.sh FOLDER
+set -euo pipefail
+
+mkdir -p "$1/lists/partial"
+cd "$1"
+keyring=/usr/share/keyrings/debian-archive-keyring.gpg
+echo "deb-src [signed-by=$keyring] http://deb.debian.org/debian bookworm main" >sources.list
+options=(-o Dir::Etc::sourcelist="$PWD/sources.list" -o Dir::Etc::sourceparts=/dev/null
+  -o Dir::State::lists="$PWD/lists" -o Acquire::Languages=none -o APT::Sandbox::User=root)
+packages=(highway libzstd meshoptimizer)
+apt-get -qq "${options[@]}" update
+apt-get -qq "${options[@]}" source --download-only "${packages[@]}"
+for package in "${packages[@]}"; do
+  rm -rf "$package"
+  dpkg-source --no-check -x "$package"_*.dsc "$package" >/dev/null  # apt-get has checked the signature and the hashes
+done

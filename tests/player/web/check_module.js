@@ -1,0 +1,107 @@
+// node check_module.js CHECK MODULE FOLDER: a check of splatlas.wasm with the scenes of splatlas-web-scenes in FOLDER.
+//   pictures   equal the native ones, to 2e-5 of full scale
+//   interface  imports and exports are exactly those listed here
+//   damage     damaged atlases give an error, or a picture that tells what is missing, never a trap
+// Exit status 77: there is no module.
+'use strict';
+const assert = require('node:assert');
+const fs = require('node:fs');
+const path = require('node:path');
+require('../../../player/web/splatlas.js');
+
+const kCaps = ['values', 'labels', 'both', 'none'];
+const kQualities = ['draft', 'normal', 'high'];
+const kImports = ['wasi_snapshot_preview1.clock_time_get', 'wasi_snapshot_preview1.proc_exit'];
+const kExports = ['__wasm_call_ctors', 'memory', 'splatlas_camera', 'splatlas_clear_cuts', 'splatlas_cut',
+  'splatlas_fit', 'splatlas_floats', 'splatlas_info', 'splatlas_input', 'splatlas_open', 'splatlas_options',
+  'splatlas_pick', 'splatlas_pixels', 'splatlas_render', 'splatlas_scene', 'splatlas_select', 'splatlas_stats',
+  'splatlas_text', 'splatlas_text_bytes'];
+
+function draw(splatlas, atlas, scene) {
+  splatlas.open(atlas);
+  splatlas.select(scene.select);
+  splatlas.view(scene.camera);
+  splatlas.cut(scene.cuts);
+  splatlas.options({caps: kCaps[scene.caps], depthCue: scene.depthCue, shading: scene.shading});
+  splatlas.render(...scene.size, kQualities[scene.quality]);
+  return splatlas.floats();
+}
+
+async function checkPictures(module, folder) {
+  const splatlas = await Splatlas.load(module);
+  const scenes = fs.readdirSync(folder).filter(name => name.endsWith('.json')).map(name => parseInt(name, 10));
+  assert(scenes.length >= 100);
+  let worst = 0, shown = 0;
+  for (const n of scenes.sort((a, b) => a - b)) {
+    const file = ending => fs.readFileSync(path.join(folder, `${n}.${ending}`));
+    const floats = draw(splatlas, file('atlas'), JSON.parse(file('json')));
+    const expected = new Float32Array(Uint8Array.from(file('floats')).buffer);
+    assert.strictEqual(floats.length, expected.length);
+    let difference = 0;
+    for (let i = 0; i < floats.length; ++i) difference = Math.max(difference, Math.abs(floats[i] - expected[i]));
+    assert(difference <= 2e-5, `scene ${n}: ${difference} of full scale`);
+    worst = Math.max(worst, difference);
+    shown += expected.some(value => value > 0);
+  }
+  assert(shown > 50);
+  console.log(`${scenes.length} pictures, ${shown} not empty: at most ${worst} of full scale apart`);
+}
+
+function checkInterface(module) {
+  assert.deepStrictEqual(WebAssembly.Module.imports(module).map(i => `${i.module}.${i.name}`).sort(), kImports);
+  assert.deepStrictEqual(WebAssembly.Module.exports(module).map(e => e.name).sort(), kExports);
+}
+
+/** The outcome of opening and drawing an atlas: 'error', 'part', or the pictures. */
+function outcome(splatlas, atlas) {
+  try {
+    splatlas.open(atlas);
+    splatlas.info();
+    splatlas.select('*:both');
+    const pictures = [];
+    for (const [azimuth, elevation] of [[0, 0], [90, 0], [0, 90]]) {
+      splatlas.view({azimuth, elevation});
+      const {data, missing} = splatlas.render(32, 32, 'draft');
+      if (missing.length > 0) return 'part';
+      pictures.push(Buffer.from(data).toString('hex'));
+    }
+    return pictures.join();
+  } catch (error) {
+    if (error instanceof Splatlas.Error) return 'error';
+    throw error;
+  }
+}
+
+async function checkDamage(module, folder) {
+  const kVariants = 120;
+  const atlas = fs.readFileSync(path.join(folder, 'phantom.atlas'));
+  const splatlas = await Splatlas.load(module);
+  const intact = outcome(splatlas, atlas);
+  assert(intact.length > 100);
+  const counts = {error: 0, part: 0, unharmed: 0};
+  for (let n = 0; n < kVariants; ++n) {
+    const place = Math.floor(n * atlas.length / kVariants);
+    const damaged = Buffer.from(n % 3 === 0 ? atlas.subarray(0, place) : atlas);
+    if (n % 3 !== 0) damaged[place] ^= 1 << (n % 8);
+    const got = outcome(splatlas, damaged);
+    assert(got === 'error' || got === 'part' || got === intact, `variant ${n}: another picture without an error`);
+    ++counts[got === intact ? 'unharmed' : got];
+  }
+  console.log(counts);
+  assert(counts.error > kVariants / 3 && counts.part > 0);
+  assert.strictEqual(outcome(splatlas, atlas), intact);
+}
+
+async function main([check, file, folder]) {
+  if (!fs.existsSync(file)) return 77;
+  const module = await WebAssembly.compile(fs.readFileSync(file));
+  await {pictures: checkPictures, interface: checkInterface, damage: checkDamage}[check](module, folder);
+  return 0;
+}
+
+main(process.argv.slice(2)).then(
+  status => process.exit(status),
+  error => {
+    console.error(error);
+    process.exit(1);
+  });

@@ -1,0 +1,134 @@
+// splatlas-web-scenes FOLDER: draws random scenes by the web API and by the renderer, which must agree to the
+// bit, and writes each for the module's test: N.atlas, N.json, and N.floats, the picture. Also phantom.atlas.
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "format/atlas_writer.h"
+#include "player/web/web_api.h"
+#include "tests/support/phantom_content.h"
+#include "tests/support/random_scene.h"
+
+namespace splatlas {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Bytes = std::vector<std::byte>;
+
+constexpr std::uint32_t kScenes = 100;
+
+template <typename T>
+void write_file(const std::filesystem::path& path, const T* data, std::size_t count) {
+  std::ofstream out(path, std::ios::binary);
+  out.write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(count * sizeof(T)));
+  if (!out.flush()) throw std::runtime_error(path.string() + ": cannot be written");
+}
+
+void give(const void* data, std::size_t bytes) {
+  std::uint8_t* const input = splatlas_input(static_cast<std::uint32_t>(bytes));
+  if (bytes > 0) std::memcpy(input, data, bytes);
+}
+
+void require(int status) {
+  if (status != 0) throw std::runtime_error(std::string(splatlas_text(), splatlas_text_bytes()));
+}
+
+/// A scene that the module can draw, and the options that its API has.
+bool is_for_module(RandomScene& scene) {
+  const RenderOptions& all = scene.options;
+  scene.options = {.size = all.size,
+                   .quality = all.quality,
+                   .hybrid_shading = all.hybrid_shading,
+                   .depth_cue = all.depth_cue,
+                   .cuts = all.cuts,
+                   .caps = all.caps};
+  scene.camera.projection = CameraProjection::kParallel;
+  return !scene.selection.empty();
+}
+
+/// What splatlas.js needs to draw the scene.
+Json json_of(const RandomScene& scene, const std::string& select) {
+  const auto& [camera, options] = std::tie(scene.camera, scene.options);
+  Json cuts = Json::array();
+  for (const CutPlane& cut : options.cuts)
+    cuts.push_back({{"normal", cut.normal_lps}, {"offset", cut.offset_mm}});
+  Json json{{"select", select},
+            {"camera",
+             {{"azimuth", camera.azimuth_deg}, {"elevation", camera.elevation_deg}, {"zoom", camera.zoom}}},
+            {"cuts", cuts},
+            {"caps", static_cast<int>(options.caps)},
+            {"depthCue", options.depth_cue == DepthCue::kEdges},
+            {"shading", options.hybrid_shading},
+            {"quality", static_cast<int>(options.quality)},
+            {"size", {options.size.width, options.size.height}}};
+  if (camera.center_lps_mm) json["camera"]["center"] = *camera.center_lps_mm;
+  return json;
+}
+
+/// Draws by the web API.
+void draw(const RandomScene& scene, const Bytes& atlas, const std::string& select) {
+  const auto& [camera, options] = std::tie(scene.camera, scene.options);
+  give(atlas.data(), atlas.size());
+  require(splatlas_open());
+  give(select.data(), select.size());
+  require(splatlas_select());
+  const Vec3 center = camera.center_lps_mm.value_or(Vec3{});
+  splatlas_camera(camera.azimuth_deg, camera.elevation_deg, camera.zoom, camera.center_lps_mm ? 1 : 0,
+                  center[0], center[1], center[2], 0, camera.field_of_view_deg);
+  splatlas_clear_cuts();
+  for (const auto& [n, offset] : options.cuts) require(splatlas_cut(n[0], n[1], n[2], offset));
+  require(splatlas_options(static_cast<int>(options.caps), static_cast<int>(options.depth_cue),
+                           options.hybrid_shading ? 1 : 0, 0));
+  require(splatlas_render(options.size.width, options.size.height, static_cast<int>(options.quality)));
+}
+
+/// Draws and writes the n-th scene.
+void write_scene(RandomScene& scene, std::uint32_t n, const std::filesystem::path& folder) {
+  const Bytes atlas = value_or_throw(encode_atlas(scene.content));
+  const std::string select = to_text(scene.selection, scene.content.graph);
+  draw(scene, atlas, select);
+  const std::size_t values =
+      4 * static_cast<std::size_t>(scene.options.size.width * scene.options.size.height);
+
+  Renderer renderer(value_or_throw(Atlas::open_bytes(atlas)), {.threads = 1});
+  value_or_throw(renderer.select(value_or_throw(Selection::parse(select, scene.content.graph))));
+  const Frame frame = value_or_throw(renderer.render(scene.camera, scene.options));
+  if (!std::equal(frame.picture.rgba.begin(), frame.picture.rgba.end(), splatlas_floats()))
+    throw std::runtime_error(fmt::format("scene {}: the web API draws another picture than the renderer", n));
+
+  const auto path = [&](const char* ending) { return folder / fmt::format("{}.{}", n, ending); };
+  const std::string json = json_of(scene, select).dump();
+  write_file(path("atlas"), atlas.data(), atlas.size());
+  write_file(path("json"), json.data(), json.size());
+  write_file(path("floats"), splatlas_floats(), values);
+}
+
+void write_scenes(const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  for (std::uint32_t n = 0, number = 0; n < kScenes; ++number) {
+    RandomScene scene = number % 2 == 0 ? random_scene(number) : cut_scene(1, number);
+    if (is_for_module(scene)) write_scene(scene, n++, folder);
+  }
+  const Bytes phantom = value_or_throw(encode_atlas(phantom_content()));
+  write_file(folder / "phantom.atlas", phantom.data(), phantom.size());
+}
+
+}  // namespace
+}  // namespace splatlas
+
+int main(int argc, char** argv) try {
+  if (argc != 2) return 2;
+  splatlas::write_scenes(argv[1]);
+  return 0;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "splatlas-web-scenes: %s\n", error.what());
+  return 1;
+}
