@@ -6,8 +6,10 @@ set -euo pipefail
 
 mkdir -p "$1/lists/partial"
 cd "$1"
+# The machine's own mirrors of Debian, for sources instead of packages
 keyring=/usr/share/keyrings/debian-archive-keyring.gpg
-echo "deb-src [signed-by=$keyring] http://deb.debian.org/debian bookworm main" >sources.list
+apt-get indextargets --format "deb-src [signed-by=$keyring] \$(REPO_URI) \$(RELEASE) main" \
+  'Created-By: Packages' 'Origin: Debian' 'Component: main' | sort -u >sources.list
 options=(-o Dir::Etc::sourcelist="$PWD/sources.list" -o Dir::Etc::sourceparts=/dev/null
   -o Dir::State::lists="$PWD/lists" -o Acquire::Languages=none -o APT::Sandbox::User=root)
 packages=(highway libzstd meshoptimizer)
