@@ -39,7 +39,7 @@ enum class Quality : std::uint8_t { kDraft, kNormal, kHigh };
 enum class CapMode : std::uint8_t {
   kValues,  ///< grey values through the display window
   kLabels,  ///< colours of structures
-  kBoth,    ///< grey values, tinted by the colours of structures
+  kBoth,    ///< the luminance of grey values, with the hues of structures
   kNone,    ///< no faces: cut surfaces are hollow
 };
 
@@ -57,7 +57,7 @@ struct RenderOptions {
   ///   - Surfaces are those of blocks of 2^n voxels, at most 3 pixels wide, or 6 after a late draft.
   ///   - Means and blocks also stand in for what would take twice the budget to prepare.
   double draft_budget_ms = 0;
-  bool hybrid_shading = true;  ///< shades boundary voxels of volumes by their normals
+  bool hybrid_shading = true;  ///< lights volumes by their borders and grey values
   /// Supersamples pixels at edges of surfaces: 1 sample in draft, 4 in normal, 8 in high quality. Pictures
   /// that need more than a quarter of the allowed memory for edge detection get 1 sample.
   bool antialiasing = true;

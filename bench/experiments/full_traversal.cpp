@@ -74,8 +74,6 @@ class SliceVisit {
     appearance.look_up(model_.values.bytes.data(), voxel, step, count, writer.extinctions(first),
                        writer.emissions(first, 0));
     if (emissions_ == 3) writer.color(first, count, appearance.color);
-    if (selection_.plan.classes[draw].boundary)
-      writer.shade(first, count, model_.normals.data() + voxel, step);
   }
 
   const VoxelModel& model_;
@@ -130,7 +128,6 @@ SpanModel visit_voxels(const VoxelModel& model, const VoxelSelection& selection,
   trim(spans, selected);
   for (const SliceSpans& slice : spans.slices) {
     spans.voxels += slice.voxels;
-    spans.shaded_voxels += slice.shaded.size();
   }
   return spans;
 }
@@ -144,15 +141,6 @@ Result<VoxelModel> read_voxel_model(const Atlas& atlas) {
   model.classes = std::move(content.class_volume);
   model.values = std::move(content.values);
   model.surfaces = std::move(content.surfaces);
-
-  // Normals are stored per class, each class in memory order.
-  model.normals.assign(model.classes.size(), 0);
-  std::vector<std::size_t> next(content.boundary_normals.size(), 0);
-  for (std::size_t voxel = 0; voxel < model.classes.size(); ++voxel) {
-    const ClassId c = model.classes[voxel];
-    const std::vector<PackedNormal>& normals = content.boundary_normals[c];
-    if (next[c] < normals.size()) model.normals[voxel] = normals[next[c]++];
-  }
   return model;
 }
 
@@ -206,7 +194,6 @@ Result<FullTraversal::Frame> FullTraversal::render(const Camera& camera, const R
   Stopwatch watch;
   SpanModel spans = visit_voxels(
       model_, {draw_of_class_, plan_, appearances_.appearances(), atlas_->classes()}, shear.principal, pool_);
-  if (options.hybrid_shading && spans.shaded_voxels > 0) shade_spans(spans, lighting.table(), pool_);
   visit_triangles();
   frame.traversal = watch.lap();
 

@@ -15,14 +15,13 @@ struct VoxelModel {
   Grid grid;
   std::vector<ClassId> classes;
   VoxelBuffer values;                 ///< kNone and empty if the atlas has none
-  std::vector<PackedNormal> normals;  ///< boundary voxels; 0 elsewhere
   std::vector<SurfaceMesh> surfaces;  ///< per structure
 };
 [[nodiscard]] Result<VoxelModel> read_voxel_model(const Atlas& atlas);
 
 /// Every frame tests every voxel and every triangle of every structure for selection. The code of the player
 /// then draws the selected ones, so that only the traversal differs and pictures equal those of the player
-/// bit for bit. Not thread-safe; uses its own threads.
+/// bit for bit, without hybrid shading. Not thread-safe; uses its own threads.
 class FullTraversal {
  public:
   /// `model` belongs to the atlas and must outlive this. 0 threads: one per core.

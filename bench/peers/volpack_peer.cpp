@@ -207,7 +207,8 @@ struct VolpackPeer::Impl {
     } else {
       const std::vector<std::uint16_t>& codes = codes_of_normals();
       for (std::size_t n = 0; n < voxels.size(); ++n) {
-        const std::int32_t normal = volume.normals[n];
+        const bool is_lit = volume.lit.empty() || volume.lit[n] >= 0.5;  // VolPack knows no shares
+        const std::int32_t normal = is_lit ? volume.normals[n] : MaskedVolume::kUnlit;
         voxels[n] = {normal < 0 ? kUnlitIndex : codes[static_cast<std::size_t>(normal)], volume.greys[n]};
       }
     }

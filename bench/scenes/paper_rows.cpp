@@ -83,13 +83,12 @@ class MethodRunner {
     full_.select(selection_);
     SPLATLAS_RETURN_IF_ERROR(fresh_.select(selection_));
     SPLATLAS_RETURN_IF_ERROR(turning_.select(selection_));
-    const RenderOptions unlit{.hybrid_shading = false};  // lighting that no frame keeps
     SPLATLAS_ASSIGN_OR_RETURN(
         const std::vector<Camera> cameras,
         cameras_by_axis(figure_.camera, effort_.turns(), effort_.frames, turning_.atlas()));
     for (const Camera& camera : cameras) {
-      SPLATLAS_RETURN_IF_ERROR(fresh_.render(camera, unlit));
-      SPLATLAS_RETURN_IF_ERROR(turning_.render(camera, unlit));
+      SPLATLAS_RETURN_IF_ERROR(fresh_.render(camera, kUnlit));
+      SPLATLAS_RETURN_IF_ERROR(turning_.render(camera, kUnlit));
     }
     return {};
   }
@@ -110,8 +109,11 @@ class MethodRunner {
   [[nodiscard]] const RenderStats& stats() const { return stats_; }
 
  private:
+  /// Full traversal knows no light of voxels.
+  static constexpr RenderOptions kUnlit{.hybrid_shading = false};
+
   Result<std::vector<Elapsed>> draw_full(const Camera& camera) {
-    SPLATLAS_ASSIGN_OR_RETURN(FullTraversal::Frame frame, full_.render(camera, {}));
+    SPLATLAS_ASSIGN_OR_RETURN(FullTraversal::Frame frame, full_.render(camera, kUnlit));
     pictures_[kFullTraversal] = std::move(frame.picture.rgba);
     return stages_of(frame.traversal, frame.drawn);
   }
@@ -124,7 +126,7 @@ class MethodRunner {
       SPLATLAS_RETURN_IF_ERROR(renderer.select(selection_));
       selecting = watch.lap();
     }
-    SPLATLAS_ASSIGN_OR_RETURN(Frame frame, renderer.render(camera));
+    SPLATLAS_ASSIGN_OR_RETURN(Frame frame, renderer.render(camera, kUnlit));
     pictures_[method] = std::move(frame.picture.rgba);
     if (method == kTurning) stats_ = frame.stats;
     return stages_of(selecting + frame.stats.traversal, frame.stats);

@@ -181,7 +181,7 @@ void add_quality(CLI::App& command, RenderOptions& options) {
   add_choice(command, "--quality", options.quality,
              {{"draft", Quality::kDraft}, {"normal", Quality::kNormal}, {"high", Quality::kHigh}});
   add_choice(command, "--shading", options.hybrid_shading, {{"hybrid", true}, {"none", false}},
-             "light the boundary voxels of volumes by their normals");
+             "light volumes by their borders and grey values");
   add_choice(command, "--depth-cue", options.depth_cue,
              {{"none", DepthCue::kNone}, {"edges", DepthCue::kEdges}},
              "darken pixels that lie behind their neighbours");

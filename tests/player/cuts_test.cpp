@@ -126,9 +126,12 @@ TEST(Cuts, HaveFacesOfStructures) {
   const auto values = face_at(kSolid, CapMode::kValues, 0.2, 9);
   for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(values[c], linear(150.0 / 200), 1e-5);
   const auto both = face_at(kSolid, CapMode::kBoth, 0.2, -9);
-  EXPECT_NEAR(both[1], linear(50.0 / 200), 1e-5);
+  EXPECT_NEAR(both[1], linear(50.0 / 200) / 0.7152, 1e-5);  // darker than green
   EXPECT_EQ(both[0], 0);
   EXPECT_EQ(both[3], 1);
+  const auto bright = face_at(kSolid, CapMode::kBoth, 0.2, 9);
+  EXPECT_NEAR(bright[0], 1, 1e-5);
+  EXPECT_NEAR(bright[1], (linear(150.0 / 200) - 0.2126) / (1 - 0.2126), 1e-5);  // brighter than red
 
   // Without faces, the far wall of the surface shows
   EXPECT_NE(face_at(kSolid, CapMode::kNone, 0.2, 9), (Rgba{1, 0, 0, 1}));

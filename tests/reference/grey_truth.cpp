@@ -210,10 +210,12 @@ std::array<GreyTruth::CornerLighting, 8> GreyTruth::lighting_of(const Index3& ce
   for (std::int64_t n = 0; n < 8; ++n) {
     const std::int64_t i = cell[0] + (n & 1), j = cell[1] + (n >> 1 & 1), k = cell[2] + (n >> 2);
     if (!volume_.grid.contains(i, j, k)) continue;
-    const std::int32_t normal = volume_.normals[static_cast<std::size_t>(volume_.grid.offset(i, j, k))];
+    const auto voxel = static_cast<std::size_t>(volume_.grid.offset(i, j, k));
+    const std::int32_t normal = volume_.normals[voxel];
     if (normal == MaskedVolume::kOutside) continue;
-    const bool unlit = normal == MaskedVolume::kUnlit;
-    lighting[static_cast<std::size_t>(n)] = {unlit ? 1 : factors_[static_cast<std::size_t>(normal)], 1};
+    const double factor = normal == MaskedVolume::kUnlit ? 1 : factors_[static_cast<std::size_t>(normal)];
+    const double lit = volume_.lit.empty() ? 1 : volume_.lit[voxel];
+    lighting[static_cast<std::size_t>(n)] = {1 + lit * (factor - 1), 1};
   }
   return lighting;
 }

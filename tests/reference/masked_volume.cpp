@@ -5,6 +5,7 @@
 #include "format/content/decision_tree.h"
 #include "player/transfer_function.h"
 #include "tests/reference/reference_radiance.h"
+#include "tests/reference/voxel_light.h"
 
 namespace splatlas::reference {
 
@@ -12,12 +13,9 @@ Result<MaskedVolume> masked_volume(const AtlasContent& content, const Selection&
   if (content.values.type != VoxelType::kUInt8) {
     return fail(ErrorCode::kFailed, "a masked copy needs an atlas with grey values of 8 bits without sign");
   }
-  std::vector<bool> drawn(content.classes.size(), false), lit(content.classes.size(), false);
-  for (const ClassDraw& draw : DecisionTree(content.graph, content.classes).plan(selection).classes) {
+  std::vector<bool> drawn(content.classes.size(), false);
+  for (const ClassDraw& draw : DecisionTree(content.graph, content.classes).plan(selection).classes)
     drawn[draw.id] = draws_volume(draw.role);
-    lit[draw.id] = drawn[draw.id] && draw.boundary && !content.boundary_normals.empty() &&
-                   !content.boundary_normals[draw.id].empty();
-  }
   MaskedVolume volume{storage_grid(content), std::vector<std::uint8_t>(content.class_volume.size(), 0)};
   const auto greys = content.values.as<std::uint8_t>();
   for (std::size_t n = 0; n < volume.greys.size(); ++n) {
@@ -25,13 +23,12 @@ Result<MaskedVolume> masked_volume(const AtlasContent& content, const Selection&
   }
   if (content.boundary_normals.empty()) return volume;
   volume.normals.assign(volume.greys.size(), MaskedVolume::kOutside);
-  std::vector<std::size_t> met(content.classes.size(), 0);  // voxels per class so far
+  volume.lit.assign(volume.greys.size(), 0);
+  const std::vector<LitVoxel> lit = lit_voxels(content, selection);
   for (std::size_t n = 0; n < volume.normals.size(); ++n) {
-    const ClassId c = content.class_volume[n];
-    const std::size_t number_in_class = met[c]++;
-    if (!drawn[c]) continue;
-    volume.normals[n] =
-        lit[c] ? std::int32_t{content.boundary_normals[c][number_in_class]} : MaskedVolume::kUnlit;
+    if (!drawn[content.class_volume[n]]) continue;
+    volume.normals[n] = lit[n].lit > 0 ? std::int32_t{lit[n].normal} : MaskedVolume::kUnlit;
+    volume.lit[n] = lit[n].lit;
   }
   return volume;
 }

@@ -15,9 +15,10 @@ namespace splatlas::reference {
 struct MaskedVolume {
   Grid grid;
   std::vector<std::uint8_t> greys;
-  /// Per voxel, the PackedNormal of a boundary voxel, kUnlit, or kOutside the selection: for hybrid shading.
-  /// Empty if the voxels have no normals.
+  /// Per voxel, the PackedNormal of a lit voxel, kUnlit, or kOutside the selection: for hybrid shading. Empty
+  /// if the voxels have no normals.
   std::vector<std::int32_t> normals = {};
+  std::vector<double> lit = {};  ///< share of a lit voxel's emission that depends on the normal; empty: all
   static constexpr std::int32_t kUnlit = -1, kOutside = -2;
 
   /// 0 outside the grid.

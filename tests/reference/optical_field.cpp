@@ -5,6 +5,7 @@
 
 #include "format/content/decision_tree.h"
 #include "player/transfer_function.h"
+#include "tests/reference/voxel_light.h"
 
 namespace splatlas::reference {
 namespace {
@@ -76,11 +77,11 @@ OpticalField optical_field(const AtlasContent& content, const Selection& selecti
     curve_of.push_back(transfer_curve(appearance, content.display));
   }
 
-  double drawn = 0;                                         // voxels
-  std::vector<std::size_t> met(content.classes.size(), 0);  // voxels per class so far
+  std::vector<LitVoxel> lit;
+  if (hybrid_shading && !shares) lit = lit_voxels(content, selection);
+  double drawn = 0;  // voxels
   for (std::size_t n = 0; n < field.voxels.size(); ++n) {
     const ClassId c = content.class_volume[n];
-    const std::size_t number_in_class = met[c]++;
     const ClassDraw* draw = draw_of[c];
     if (draw == nullptr || !draws_volume(draw->role)) continue;
     const StructureDraw& appearance = selection.structures[draw->volume_of];
@@ -89,9 +90,9 @@ OpticalField optical_field(const AtlasContent& content, const Selection& selecti
     TransferValue value = transfer(curve, grey, reference_length_mm);
     if (shares) {
       value.shade = 1;
-    } else if (hybrid_shading && draw->boundary) {
-      const auto normal = unpack_normal(content.boundary_normals[c][number_in_class]);
-      value.shade *= diffuse(view, {normal[0], normal[1], normal[2]});
+    } else if (hybrid_shading) {
+      const auto normal = unpack_normal(lit[n].normal);
+      value.shade *= 1 + lit[n].lit * (diffuse(view, {normal[0], normal[1], normal[2]}) - 1);
     }
     field.mean_densest += (densest_of(curve, reference_length_mm) - field.mean_densest) / ++drawn;
     field.voxels[n] =

@@ -158,10 +158,15 @@ std::optional<StructureIndex> ReferenceCut::structure_at(const Index3& voxel,
   return transfer(curve, grey, voxel_side_mm(grid_)).extinction_per_mm > 0 ? best : std::nullopt;
 }
 
+bool ReferenceCut::has_greys() const {
+  const double width = content_.display.window_high - content_.display.window_low;
+  return !content_.values.empty() && width > 0 && std::isfinite(width);
+}
+
 double ReferenceCut::grey_at(const Index3& voxel) const {
+  if (!has_greys()) return 1;
   const Display& display = content_.display;
   const double width = display.window_high - display.window_low;
-  if (content_.values.empty() || !(width > 0) || !std::isfinite(width)) return 1;
   const double grey =
       value_of(content_.values, static_cast<std::size_t>(grid_.offset(voxel[0], voxel[1], voxel[2])));
   if (std::isnan(grey)) return 0;
@@ -201,12 +206,21 @@ ReferenceFace ReferenceCut::face(const Vec3& index, std::size_t number) const {
   const StructureDraw& draw = selection_.structures[*s];
   const bool is_solid = draw.mode != DrawMode::kVolume || is_enclosed;  // external surfaces are always drawn
   const double opacity = static_cast<double>(is_solid ? draw.opacity.value_or(1.0f) : full_opacity(draw));
-  const double intensity = caps_ == CapMode::kLabels ? 1 : linear_of_grey(grey / weights);
-  const std::array<double, 3> color =
-      caps_ == CapMode::kValues ? std::array<double, 3>{1, 1, 1} : linear_of(draw.color);
+  const double luminance = linear_of_grey(grey / weights);
+  std::array<double, 3> color = linear_of(draw.color);
+  if (caps_ == CapMode::kValues) color.fill(luminance);
+  if (caps_ == CapMode::kBoth && has_greys()) {
+    // On the way from black over the colour to white, where the luminance is that of the grey value
+    const double of_color = 0.2126 * color[0] + 0.7152 * color[1] + 0.0722 * color[2];
+    for (double& channel : color) {
+      channel = luminance < of_color
+                    ? channel * luminance / of_color
+                    : channel + (1 - channel) * (luminance - of_color) / (1 - of_color + 1e-300);
+    }
+  }
   ReferenceFace face;
   face.structure = *s;
-  for (std::size_t c = 0; c < 3; ++c) face.rgba[c] = opacity * intensity * color[c];
+  for (std::size_t c = 0; c < 3; ++c) face.rgba[c] = opacity * color[c];
   face.rgba[3] = opacity;
   return face;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "format/content/color.h"
@@ -31,6 +32,16 @@ class LinearLight {
   std::array<float, kSteps + 1> table_{};
 };
 
+/// The colour, darkened or mixed with white, that has this luminance (Rec. 709); linear light.
+std::array<float, 3> tinted(float luminance, const std::array<float, 3>& color) {
+  const float of_color = 0.2126f * color[0] + 0.7152f * color[1] + 0.0722f * color[2];
+  const bool is_darker = luminance < of_color;
+  const float of_white =
+      is_darker ? 0 : (luminance - of_color) / std::max(1 - of_color, std::numeric_limits<float>::min());
+  const float share = is_darker ? luminance / of_color : 1 - of_white;
+  return {share * color[0] + of_white, share * color[1] + of_white, share * color[2] + of_white};
+}
+
 const LinearLight& linear_light() {
   static const LinearLight kLight;
   return kLight;
@@ -55,18 +66,22 @@ Result<CutFaces> CutFaces::build(const CutPlanes& planes, const FaceScene& scene
     SPLATLAS_ASSIGN_OR_RETURN(FaceMap map, FaceMap::build(of_grid[n], scene, pool));
     faces.maps_.push_back(std::make_shared<const FaceMap>(std::move(map)));
   }
+  faces.has_greys_ = !faces.maps_.empty() && faces.maps_.front()->has_greys();
   return faces;
 }
 
-Face CutFaces::face(const FaceSample& sample, CapMode mode, float depth) {
+Face CutFaces::face(const FaceSample& sample, CapMode mode, float depth) const {
   if (sample.style == nullptr) return {};
   const FaceStyle& style = *sample.style;
   Face face{{}, depth, style.structure};
-  const float intensity = mode == CapMode::kLabels ? 1 : linear_light().of(sample.grey);
-  for (std::size_t c = 0; c < 3; ++c) {
-    const float color = mode == CapMode::kValues ? 1 : style.color[c];
-    face.rgba[c] = style.opacity * intensity * color;
+  const float light = linear_light().of(sample.grey);
+  std::array<float, 3> color = style.color;
+  if (mode == CapMode::kValues) {
+    color.fill(light);
+  } else if (mode == CapMode::kBoth && has_greys_) {
+    color = tinted(light, style.color);
   }
+  for (std::size_t c = 0; c < 3; ++c) face.rgba[c] = style.opacity * color[c];
   face.rgba[3] = style.opacity;
   return face;
 }
@@ -78,8 +93,8 @@ RayFaces ViewFaces::through(double x, double y) const {
   const auto face_at = [&](int plane, double t) {
     const Vec3 index = rays_.index_at(x, y, t);
     const FaceMap& map = faces_.map(plane);
-    return CutFaces::face(map.at(index[map.axis_b()], index[map.axis_c()]), mode_,
-                          static_cast<float>(sign_ * index[axis_]));
+    return faces_.face(map.at(index[map.axis_b()], index[map.axis_c()]), mode_,
+                       static_cast<float>(sign_ * index[axis_]));
   };
   if (kept.front != ClipInterval::kNoPlane) faces.front = face_at(kept.front, kept.from);
   if (kept.back != ClipInterval::kNoPlane) faces.back = face_at(kept.back, kept.to);
@@ -134,7 +149,7 @@ FaceLayer::Extent ViewFaces::row_of_parallel_rays(double y, std::int32_t width, 
     map.along(here[map.axis_b()], here[map.axis_c()], step(map.axis_b()), step(map.axis_c()), end - begin,
               [&](std::int64_t n, const FaceSample& sample) {
                 const double along = here[axis_] + static_cast<double>(n) * step(axis_);
-                out[n] = CutFaces::face(sample, mode_, static_cast<float>(sign_ * along));
+                out[n] = faces_.face(sample, mode_, static_cast<float>(sign_ * along));
                 const auto column = static_cast<std::int32_t>(begin + n);
                 shown = {std::min(shown.first, column), std::max(shown.last, column + 1)};
               });

@@ -33,9 +33,10 @@ class Window {
   explicit Window(const Display& display)
       : low_(display.window_low), width_(display.window_high - display.window_low) {}
 
+  [[nodiscard]] bool is_empty() const { return !(width_ > 0) || !std::isfinite(width_); }
   template <typename T>
   [[nodiscard]] float position(T value) const {
-    if (!(width_ > 0) || !std::isfinite(width_)) return 1;
+    if (is_empty()) return 1;
     const auto grey = static_cast<double>(value);
     if (std::isnan(grey)) return 0;
     return static_cast<float>(std::clamp((grey - low_) / width_, -kMaxWindows, kMaxWindows));
@@ -174,6 +175,7 @@ Result<FaceMap> FaceMap::build(const VoxelPlane& plane, const FaceScene& scene, 
 
   // Reserve the columns of the box of voxels with faces, padded by one voxel
   map.classes_ = map.apart_ = scene.classes;
+  map.has_greys_ = scene.cache.values() != nullptr && !Window(scene.atlas.display()).is_empty();
   const IndexBox box = box_of(*scene.classes, scene.atlas.classes());
   if (box.empty()) return map;
   const double tilt = std::abs(map.per_b_) + std::abs(map.per_c_);  // at most 2

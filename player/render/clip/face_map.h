@@ -50,6 +50,8 @@ class FaceMap {
                                              ThreadPool& pool);
 
   /// Axes across the columns.
+  /// False if all voxels have grey value 1: without grey values, or with an empty display window.
+  [[nodiscard]] bool has_greys() const { return has_greys_; }
   [[nodiscard]] std::size_t axis_b() const { return b_; }
   [[nodiscard]] std::size_t axis_c() const { return c_; }
   /// The point of the plane with these continuous voxel indices along axis_b() and axis_c(). A point halfway
@@ -118,7 +120,8 @@ class FaceMap {
   double to_kept_ = 0;                            // tiny step along a into the kept part
   std::int64_t first_b_ = 0, first_c_ = 0;        // of the padded box of voxels with faces
   std::int64_t columns_ = 0, rows_ = 0;           // along b and c
-  int layer_bits_ = 1;                            // layers of a column: 2^layer_bits, by position mod them
+  bool has_greys_ = false;
+  int layer_bits_ = 1;  // layers of a column: 2^layer_bits, by position mod them
   SparseBytes texels_;
   std::shared_ptr<const std::vector<FaceClass>> classes_;  // by ClassId: of all structures
   std::shared_ptr<const std::vector<FaceClass>> apart_;    // the same without solids that have outlines

@@ -78,6 +78,7 @@ class ClassCache {
   /// Values in memory order of the grid; null for an atlas without values. Defined only at voxels of required
   /// classes.
   [[nodiscard]] const std::byte* values() const { return values_.data(); }
+  [[nodiscard]] VoxelType value_type() const { return atlas_->value_type(); }
   [[nodiscard]] std::size_t value_bytes() const { return bytes_of(atlas_->value_type()); }
   /// Size of values() in bytes.
   [[nodiscard]] std::size_t bytes_of_values() const { return values_.size(); }

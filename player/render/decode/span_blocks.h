@@ -23,7 +23,7 @@ struct Span {
   std::uint32_t offset = 0;  ///< of the first block in the slice's optical properties, in blocks
 };
 
-/// A boundary voxel that is shaded by its normal, so that its emission depends on the view (hybrid shading).
+/// A voxel that is shaded by its normal, so that its emission depends on the view (hybrid shading).
 struct ShadedVoxel {
   /// `lit` of voxels whose whole emission depends on the normal.
   static constexpr std::uint16_t kAllLit = 65535;
@@ -33,6 +33,12 @@ struct ShadedVoxel {
   std::uint16_t lit = kAllLit;      ///< share of the emission that depends on the normal
   std::array<float, 3> emission{};  ///< unshaded, 1/mm; only the first is used for volumes of one colour
 };
+
+/// The factor of the emission of a voxel, given that of its lit part.
+[[nodiscard]] inline float lit_factor(float factor, std::uint16_t lit) {
+  if (lit == ShadedVoxel::kAllLit) return factor;
+  return 1 + static_cast<float>(lit) / ShadedVoxel::kAllLit * (factor - 1);
+}
 
 /// Upper bound of the size of a model of `voxels` selected voxels in `runs` runs, without row offsets.
 [[nodiscard]] inline std::uint64_t span_model_bytes(std::uint64_t voxels, std::uint64_t runs) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <type_traits>
 
 namespace splatlas {
@@ -36,6 +37,8 @@ TransferTable::TransferTable(const TransferShape& shape, VoxelType type, bool ta
     using T = decltype(tag);
     if constexpr (sizeof(T) <= 2) {
       using Bits = std::make_unsigned_t<T>;
+      lowest_ = std::numeric_limits<T>::lowest();
+      highest_ = std::numeric_limits<T>::max();
       table_.resize(std::size_t{1} << (8 * sizeof(T)));
       for (std::size_t bits = 0; bits < table_.size(); ++bits) {
         table_[bits] = share_of(static_cast<double>(static_cast<T>(static_cast<Bits>(bits))));

@@ -96,7 +96,7 @@ class RayVolume::Builder {
       source.draws[n] = true;
       if (first) source.color = request_.appearances[n].color;
       source.many_colors = source.many_colors || source.color != request_.appearances[n].color ||
-                           (request_.shade && classes[n].boundary);
+                           (request_.shade && (classes[n].boundary || request_.cache.values() != nullptr));
     }
     return {};
   }
@@ -300,16 +300,16 @@ class RayVolume::Builder {
 
   void fill_colors(Source& source) {
     auto* colors = reinterpret_cast<float*>(source.colors.data());
-    pool_.for_each(static_cast<std::size_t>(volume_.grid_.size[2]), [&](std::size_t slice) {
-      const auto z = static_cast<std::int64_t>(slice);
+    for_each_lit_slice([&](std::int64_t z, VoxelLighter& lighter) {
       for_each_piece(source, z, [&](const Piece& piece) {
         const std::array<float, 3>& color = request_.appearances[piece.draw].color;
+        const VoxelLight light = light_of(piece, z, lighter);
         const std::size_t first = kFour * place(piece.x, piece.y, z);
         for (std::int64_t n = 0; n < piece.length; ++n) {
           const std::size_t at = first + kFour * static_cast<std::size_t>(n);
           std::copy(color.begin(), color.end(), colors + at);
           colors[at + 3] = 1;
-          record_shaded(source, slice, piece, n, at, color);
+          record_shaded(source, z, light, n, at, color);
         }
       });
     });
@@ -319,11 +319,12 @@ class RayVolume::Builder {
     auto* optics = reinterpret_cast<float*>(source.values.data());
     const auto slices = static_cast<std::size_t>(volume_.grid_.size[2]);
     std::vector<std::vector<std::uint8_t>> visible(slices);  // [slice of voxels][brick]
-    pool_.for_each(slices, [&](std::size_t slice) {
-      const auto z = static_cast<std::int64_t>(slice);
-      visible[slice].resize(mask.of_slice(), 0);
+    for_each_lit_slice([&](std::int64_t z, VoxelLighter& lighter) {
+      std::vector<std::uint8_t>& seen = visible[static_cast<std::size_t>(z)];
+      seen.resize(mask.of_slice(), 0);
       std::vector<ClassifiedVoxel> voxels;
       for_each_piece(source, z, [&](const Piece& piece) {
+        const VoxelLight light = light_of(piece, z, lighter);
         const VolumeAppearance& appearance = request_.appearances[piece.draw];
         voxels.resize(static_cast<std::size_t>(piece.length));
         appearance.look_up(request_.cache.values(), piece.voxel, 1, voxels.size(), voxels.data());
@@ -335,8 +336,8 @@ class RayVolume::Builder {
           const std::array<float, 3> emission = appearance.emission(voxel);
           optics[at] = voxel.extinction_per_mm;
           std::copy(emission.begin(), emission.end(), optics + at + 1);
-          record_shaded(source, slice, piece, n, at + 1, emission);
-          mark_around(mask, visible[slice], piece.x + n, piece.y);
+          record_shaded(source, z, light, n, at + 1, emission);
+          mark_around(mask, seen, piece.x + n, piece.y);
         }
       });
     });
@@ -351,11 +352,31 @@ class RayVolume::Builder {
     }
   }
 
-  void record_shaded(Source& source, std::size_t slice, const Piece& piece, std::int64_t n, std::size_t at,
-                     const std::array<float, 3>& color) const {
-    if (!request_.shade || !request_.plan.classes[piece.draw].boundary) return;
-    source.shaded[slice].push_back(
-        {at, request_.cache.normals()[piece.voxel + static_cast<std::size_t>(n)], color});
+  /// Calls take(z, lighter) for the slices of the box, in parallel; a lighter passes through adjacent slices.
+  template <typename Take>
+  void for_each_lit_slice(const Take& take) const {
+    constexpr std::int64_t kAtOnce = 8;
+    const std::int64_t slices = volume_.grid_.size[2];
+    pool_.for_each(static_cast<std::size_t>((slices + kAtOnce - 1) / kAtOnce), [&](std::size_t part) {
+      VoxelLighter lighter(request_.runs, request_.cache, request_.atlas.grid(), request_.shade);
+      const std::int64_t first = static_cast<std::int64_t>(part) * kAtOnce;
+      for (std::int64_t z = first; z < std::min(first + kAtOnce, slices); ++z) take(z, lighter);
+    });
+  }
+  [[nodiscard]] VoxelLight light_of(const Piece& piece, std::int64_t z, VoxelLighter& lighter) const {
+    return lighter.light(request_.appearances[piece.draw], request_.plan.classes[piece.draw].boundary,
+                         z + volume_.first_[2], piece.y + volume_.first_[1],
+                         static_cast<std::uint32_t>(piece.x + volume_.first_[0]),
+                         static_cast<std::uint32_t>(piece.length));
+  }
+  static void record_shaded(Source& source, std::int64_t z, const VoxelLight& light, std::int64_t n,
+                            std::size_t at, const std::array<float, 3>& color) {
+    if (light.normals == nullptr) return;
+    const auto number = static_cast<std::size_t>(n);
+    const std::uint16_t lit = light.lit == nullptr ? splatlas::ShadedVoxel::kAllLit : light.lit[number];
+    if (lit == 0) return;
+    source.shaded[static_cast<std::size_t>(z)].push_back(
+        {at, light.normals[number * light.stride], lit, color});
   }
 
   const RayVolumeRequest& request_;
@@ -381,7 +402,8 @@ void RayVolume::light(const ParallelView& view, const Lighting& lighting, Thread
     auto* colors = reinterpret_cast<float*>(bytes.data());
     pool.for_each(source.shaded.size(), [&](std::size_t slice) {
       for (const ShadedVoxel& voxel : source.shaded[slice]) {
-        for (std::size_t c = 0; c < 3; ++c) colors[voxel.place + c] = voxel.color[c] * factors[voxel.normal];
+        const float factor = lit_factor(factors[voxel.normal], voxel.lit);
+        for (std::size_t c = 0; c < 3; ++c) colors[voxel.place + c] = voxel.color[c] * factor;
       }
     });
   }

@@ -14,6 +14,8 @@
 #include "player/picture.h"
 #include "player/render/decode/class_cache.h"
 #include "player/render/decode/selected_runs.h"
+#include "player/render/decode/span_blocks.h"
+#include "player/render/light/voxel_light.h"
 #include "player/render/rays/march_kernels.h"
 #include "player/render/transfer/shading.h"
 #include "player/render/transfer/volume_appearances.h"
@@ -85,6 +87,7 @@ class RayVolume {
   struct ShadedVoxel {
     std::size_t place = 0;  // offset of the first of its three colour values
     PackedNormal normal = 0;
+    std::uint16_t lit = 0;
     std::array<float, 3> color{};  // unshaded
   };
   struct Source {

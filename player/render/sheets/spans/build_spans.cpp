@@ -48,12 +48,14 @@ bool SpanBuilder::ClassAppearances::differ(const ClassAppearances& other, ClassI
 
 /// Classes of one structure are usually adjacent, and so are equal appearances.
 SpanBuilder::ClassAppearances SpanBuilder::class_appearances(const SpanRequest& request, bool colored) {
-  ClassAppearances found{
-      {}, std::vector<std::uint32_t>(request.classes.size(), kNotDrawn), request.appearances.generation()};
+  ClassAppearances found{{},
+                         std::vector<std::uint32_t>(request.classes.size(), kNotDrawn),
+                         request.appearances.generation(),
+                         request.shade};
   for (std::size_t n = 0; n < request.plan.classes.size(); ++n) {
     const ClassDraw& draw = request.plan.classes[n];
     if (!draws_volume(draw.role)) continue;
-    SpanAppearance appearance{request.appearances.appearances()[n], request.shade && draw.boundary};
+    SpanAppearance appearance{request.appearances.appearances()[n], draw.boundary};
     if (!colored) appearance.volume.color = {1, 1, 1};
     // Search only the latest two, usually interior and boundary. Earlier duplicates are harmless.
     auto known =
@@ -69,17 +71,20 @@ SpanBuilder::ClassAppearances SpanBuilder::class_appearances(const SpanRequest& 
 std::vector<bool> SpanBuilder::changed_slices(const SpanRequest& request, const SpanModel& before,
                                               const ClassAppearances& appearances_before) const {
   const bool other_kind = before.emissions != model_.emissions || appearances_before.of_class.empty() ||
-                          appearances_before.generation != appearances_.generation;
+                          appearances_before.generation != appearances_.generation ||
+                          appearances_before.shade != appearances_.shade;
   std::vector<bool> changed(model_.slices.size(), other_kind);
   if (other_kind) return changed;
   const std::uint8_t slice_axis = ScanOrder::of(model_.axis).slice_axis;
+  const std::int64_t beside = request.shade && request.cache.values() != nullptr ? 1 : 0;
   const auto in_model = [&](std::int64_t slice) {
     return changed.begin() + static_cast<std::ptrdiff_t>(model_.place_of(slice));
   };
   for (ClassId c = 0; c < appearances_.of_class.size(); ++c) {
     if (!appearances_.differ(appearances_before, c)) continue;
     const IndexBox& box = request.classes.box(c);
-    std::fill(in_model(box.first[slice_axis]), in_model(box.last[slice_axis] + 1), true);
+    // Gradients of grey values reach into the slices beside
+    std::fill(in_model(box.first[slice_axis] - beside), in_model(box.last[slice_axis] + 1 + beside), true);
   }
   return changed;
 }
@@ -114,7 +119,8 @@ std::size_t SpanBuilder::max_floats(const SelectedRuns& runs, std::int64_t slice
   return static_cast<std::size_t>(blocks * kBlock * (1 + model_.emissions));
 }
 
-void SpanBuilder::write_slice(const SpanRequest& request, std::int64_t slice, SliceSpans& out) const {
+void SpanBuilder::write_slice(const SpanRequest& request, std::int64_t slice, VoxelLighter& lighter,
+                              SliceSpans& out) const {
   const ScanOrder scan = ScanOrder::of(model_.axis);
   const std::array<std::size_t, 3> step{
       1, static_cast<std::size_t>(request.grid.size[0]),
@@ -134,8 +140,9 @@ void SpanBuilder::write_slice(const SpanRequest& request, std::int64_t slice, Sl
     appearance.volume.look_up(request.cache.values(), voxel, scan_step, piece.length,
                               writer.extinctions(piece.start), writer.emissions(piece.start, 0));
     if (model_.emissions == 3) writer.color(piece.start, piece.length, appearance.volume.color);
-    if (appearance.shaded)
-      writer.shade(piece.start, piece.length, request.cache.normals() + voxel, scan_step);
+    writer.shade(
+        piece.start, piece.length,
+        lighter.light(appearance.volume, appearance.boundary, slice, piece.row, piece.start, piece.length));
   };
 
   // Merge adjacent runs into pieces
@@ -203,10 +210,11 @@ void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
   arena_.expect(voxels * (1 + static_cast<std::uint64_t>(model_.emissions)) * sizeof(float));
   pool.for_each((to_build.size() + kSlicesAtOnce - 1) / kSlicesAtOnce, [&](std::size_t part) {
     const std::size_t first = part * kSlicesAtOnce;
+    VoxelLighter lighter(runs, request.cache, request.grid, request.shade);
     for (std::size_t n = first; n < std::min(first + kSlicesAtOnce, to_build.size()); ++n) {
       SliceSpans& slice = model_.slices[to_build[n]];
       slice.optics = arena_.lend(max_floats(runs, slice.number));
-      write_slice(request, slice.number, slice);
+      write_slice(request, slice.number, lighter, slice);
       arena_.settle(slice.optics);
     }
   });

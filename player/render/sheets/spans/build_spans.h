@@ -7,6 +7,7 @@
 
 #include "format/tasks/thread_pool.h"
 #include "player/render/decode/selected_runs.h"
+#include "player/render/light/voxel_light.h"
 #include "player/render/sheets/spans/span_model.h"
 #include "player/render/transfer/volume_appearances.h"
 
@@ -24,7 +25,7 @@ struct SpanRequest {
   const ClassTable& classes;
   const Grid& grid;
   const ClassCache& cache;
-  bool shade = true;  ///< list boundary voxels for shade_spans()
+  bool shade = true;  ///< list lit voxels for shade_spans()
 };
 
 /// Builder of the spans of successive selections, for one principal axis. Not thread-safe.
@@ -50,7 +51,7 @@ class SpanBuilder {
   /// Appearance of the voxels of some classes.
   struct SpanAppearance {
     VolumeAppearance volume;
-    bool shaded = false;
+    bool boundary = false;
     friend bool operator==(const SpanAppearance&, const SpanAppearance&) = default;
   };
   /// Map from classes to appearances.
@@ -58,6 +59,7 @@ class SpanBuilder {
     std::vector<SpanAppearance> appearances;
     std::vector<std::uint32_t> of_class;  // index into `appearances`, or kNotDrawn
     std::uint64_t generation = 0;         // of the transfer functions
+    bool shade = false;                   // list lit voxels
 
     [[nodiscard]] bool differ(const ClassAppearances& other, ClassId c) const;
   };
@@ -65,7 +67,8 @@ class SpanBuilder {
   [[nodiscard]] std::vector<bool> changed_slices(const SpanRequest& request, const SpanModel& before,
                                                  const ClassAppearances& appearances_before) const;
   void take_over(SpanModel& before, std::vector<bool>& changed);
-  void write_slice(const SpanRequest& request, std::int64_t slice, SliceSpans& out) const;
+  void write_slice(const SpanRequest& request, std::int64_t slice, VoxelLighter& lighter,
+                   SliceSpans& out) const;
   [[nodiscard]] std::size_t max_floats(const SelectedRuns& runs, std::int64_t slice) const;
 
   SpanModel model_;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "format/tasks/task_control.h"
@@ -24,7 +25,7 @@ struct BlockRange {
 struct Sums {
   float extinction = 0;
   std::array<float, 3> emission{};
-  float lit = 0, white = 0;  ///< emission of white: of boundary voxels, and of all
+  float lit = 0, white = 0;  ///< emission of white: its lit part, and all of it
   std::array<float, 3> normal{};
 };
 
@@ -36,49 +37,47 @@ class SliceAverager {
         level_(level),
         model_(model),
         scan_(ScanOrder::of(model.axis)),
-        row_(static_cast<std::size_t>(model.scan_voxels)),
-        normals_(row_.size()),
-        lit_(row_.size()) {}
+        width_(static_cast<std::size_t>(model.scan_voxels)),
+        lighter_(request.runs, request.cache, request.grid, request.shade),
+        sums_(width_ * static_cast<std::size_t>(model.rows)),
+        rows_(static_cast<std::size_t>(model.rows), {width_, 0}),
+        normals_(width_),
+        lit_(width_) {}
 
-  /// Gathers the runs of a slice of blocks, row by row. Returns an upper bound of its floats.
+  /// Adds up the voxels of a slice of blocks. Returns an upper bound of its floats.
   std::size_t gather(std::int64_t slice) {
-    runs_.clear();
     std::size_t blocks = 0;
     for (std::int64_t of = slice << level_; of < (slice + 1) << level_; ++of) {
       request_.runs.for_each(of, [&](const ClassRun& run, std::uint32_t draw) {
-        runs_.push_back({run.row >> level_, of, run, draw});
+        add(of, run, draw);
         blocks += (run.length >> level_) / kBlock + 3;
       });
     }
-    std::ranges::stable_sort(runs_, {}, &PlacedRun::row);
     return blocks * kBlock * static_cast<std::size_t>(1 + model_.emissions);
   }
-  /// Writes the slice of the gathered runs.
+  /// Writes the slice, and clears its sums.
   void write(SliceSpans& out) {
     SpanWriter writer(model_.emissions, out);
-    for (auto run = runs_.begin(); run != runs_.end();) {
-      const std::uint32_t row = run->row;
-      first_ = row_.size();
-      last_ = 0;
-      for (; run != runs_.end() && run->row == row; ++run) add(run->slice, run->run, run->draw);
-      write_row(row, writer);
+    for (std::size_t row = 0; row < rows_.size(); ++row) {
+      if (rows_[row].first < rows_[row].last) write_row(row, writer);
     }
     writer.finish();
   }
 
  private:
-  struct PlacedRun {
-    std::uint32_t row = 0;  // of blocks
-    std::int64_t slice = 0;
-    ClassRun run;
-    std::uint32_t draw = 0;
+  /// Blocks [first, last) of a row that have sums.
+  struct Extent {
+    std::size_t first = 0, last = 0;
   };
 
   /// Adds the voxels of a run to the sums of their blocks.
   void add(std::int64_t slice, const ClassRun& run, std::uint32_t draw) {
     constexpr std::uint32_t kAtOnce = 256;
     const VolumeAppearance& look = request_.appearances.appearances()[draw];
-    const bool shaded = request_.shade && request_.plan.classes[draw].boundary;
+    const VoxelLight light =
+        lighter_.light(look, request_.plan.classes[draw].boundary, slice, run.row, run.start, run.length);
+    const std::size_t row = static_cast<std::size_t>((std::int64_t{run.row} >> level_) - model_.row_first);
+    Sums* const row_sums = sums_.data() + row * width_;
     const Index3& size = request_.grid.size;
     const std::array<std::int64_t, 3> steps{1, size[0], size[0] * size[1]};
     const auto step = static_cast<std::size_t>(steps[scan_.scan_axis]);
@@ -89,43 +88,50 @@ class SliceAverager {
       const std::uint32_t count = std::min(kAtOnce, run.length - done);
       look.look_up(request_.cache.values(), voxel, step, count, extinctions.data(), whites.data());
       for (std::uint32_t n = 0; n < count; ++n) {
-        Sums& sums = at(run.start + done + n);
+        Sums& sums = row_sums[index(run.start + done + n)];
         sums.extinction += extinctions[n];
         sums.white += whites[n];
         for (std::size_t c = 0; c < 3; ++c) sums.emission[c] += whites[n] * look.color[c];
-        if (!shaded) continue;
-        sums.lit += whites[n];
-        const PackedNormal normal = request_.cache.normals()[voxel + n * step];
-        sums.normal[0] += whites[n] * unpacked_.x[normal];
-        sums.normal[1] += whites[n] * unpacked_.y[normal];
-        sums.normal[2] += whites[n] * unpacked_.z[normal];
+        const float lit = whites[n] * share_of(light, done + n);
+        if (lit == 0) continue;
+        sums.lit += lit;
+        const PackedNormal normal = light.normals[(done + n) * light.stride];
+        sums.normal[0] += lit * unpacked_.x[normal];
+        sums.normal[1] += lit * unpacked_.y[normal];
+        sums.normal[2] += lit * unpacked_.z[normal];
       }
       voxel += count * step;
     }
-    first_ = std::min(first_, index(run.start));
-    last_ = std::max(last_, index(run.start + run.length - 1) + 1);
+    rows_[row].first = std::min(rows_[row].first, index(run.start));
+    rows_[row].last = std::max(rows_[row].last, index(run.start + run.length - 1) + 1);
+  }
+  /// The lit share of the n-th voxel.
+  static float share_of(const VoxelLight& light, std::uint32_t n) {
+    if (light.normals == nullptr) return 0;
+    return light.lit == nullptr ? 1 : static_cast<float>(light.lit[n]) / ShadedVoxel::kAllLit;
   }
 
   [[nodiscard]] std::size_t index(std::uint32_t voxel) const {
     return static_cast<std::size_t>((std::int64_t{voxel} >> level_) - model_.scan_first);
   }
-  [[nodiscard]] Sums& at(std::uint32_t voxel) { return row_[index(voxel)]; }
 
   /// Writes the means of a row, run by run, and clears its sums.
-  void write_row(std::int64_t row, SpanWriter& writer) {
+  void write_row(std::size_t row, SpanWriter& writer) {
     const float per_voxel = std::ldexp(1.0f, -3 * level_);
-    for (std::size_t begin = first_; begin < last_;) {
-      if (row_[begin].extinction <= 0) {
+    const Extent extent = std::exchange(rows_[row], {width_, 0});
+    Sums* const row_sums = sums_.data() + row * width_;
+    for (std::size_t begin = extent.first; begin < extent.last;) {
+      if (row_sums[begin].extinction <= 0) {
         ++begin;
         continue;
       }
       std::size_t end = begin;
-      while (end < last_ && row_[end].extinction > 0) ++end;
+      while (end < extent.last && row_sums[end].extinction > 0) ++end;
       const auto first = static_cast<std::uint32_t>(model_.scan_first + static_cast<std::int64_t>(begin));
       const auto count = static_cast<std::uint32_t>(end - begin);
       writer.add(first, count);
       for (std::size_t n = begin; n < end; ++n) {
-        const Sums& sums = row_[n];
+        const Sums& sums = row_sums[n];
         writer.extinctions(first)[n - begin] = sums.extinction * per_voxel;
         for (int c = 0; c < model_.emissions; ++c) {
           const float sum = model_.emissions == 1 ? sums.white : sums.emission[static_cast<std::size_t>(c)];
@@ -135,12 +141,11 @@ class SliceAverager {
         const float share = sums.white > 0 ? sums.lit / sums.white : 0;
         lit_[n] = static_cast<std::uint16_t>(std::lround(std::min(share, 1.0f) * ShadedVoxel::kAllLit));
       }
-      writer.shade(first, count, &normals_[begin], 1, &lit_[begin]);
+      writer.shade(first, count, {&normals_[begin], 1, &lit_[begin]});
       begin = end;
     }
-    writer.end_row(row);
-    std::fill(row_.begin() + static_cast<std::ptrdiff_t>(first_),
-              row_.begin() + static_cast<std::ptrdiff_t>(last_), Sums{});
+    writer.end_row(model_.row_first + static_cast<std::int64_t>(row));
+    std::fill(row_sums + extent.first, row_sums + extent.last, Sums{});
   }
 
   const SpanRequest& request_;
@@ -148,12 +153,12 @@ class SliceAverager {
   const SpanModel& model_;
   const ScanOrder scan_;
   const UnpackedNormals& unpacked_ = unpacked_normals();
-  std::vector<PlacedRun> runs_;
-  // Of the current row, from block scan_first on; sums are zero outside [first_, last_).
-  std::vector<Sums> row_;
-  std::vector<PackedNormal> normals_;
+  const std::size_t width_;  // of the box, in blocks
+  VoxelLighter lighter_;
+  std::vector<Sums> sums_;  // of the slice's box; zero outside rows_
+  std::vector<Extent> rows_;
+  std::vector<PackedNormal> normals_;  // of a row
   std::vector<std::uint16_t> lit_;
-  std::size_t first_ = 0, last_ = 0;
 };
 
 }  // namespace

@@ -21,8 +21,7 @@ namespace splatlas {
 class CoarseSpans {
  public:
   /// Builds the spans, unshaded, in parallel. They take no more memory than those of the voxels. Cost: linear
-  /// in the selected voxels and in the blocks between the first and the last run of each row, and a sort of
-  /// the decoded runs. Throws std::bad_alloc.
+  /// in the selected voxels and in the blocks of their box. Throws std::bad_alloc.
   CoarseSpans(const SpanRequest& request, int level, ThreadPool& pool);
 
   /// Hybrid shading: applies the lighting of `view` to boundary voxels if it has changed.

@@ -71,9 +71,7 @@ struct SpanModel {
 
 /// Multiplies the lit part of the emission of a shaded voxel of a slice by `factors[normal]`.
 inline void shade(const ShadedVoxel& voxel, std::span<const float> factors, SliceSpans& slice) {
-  float factor = factors[voxel.normal];
-  if (voxel.lit != ShadedVoxel::kAllLit)
-    factor = 1 + static_cast<float>(voxel.lit) / ShadedVoxel::kAllLit * (factor - 1);
+  const float factor = lit_factor(factors[voxel.normal], voxel.lit);
   for (std::size_t c = 0; c < static_cast<std::size_t>(slice.emissions); ++c)
     slice.optics.data()[voxel.place + (c + 1) * kBlock] = voxel.emission[c] * factor;
 }

@@ -63,13 +63,6 @@ void SpanWriter::color(std::uint32_t first, std::uint32_t count, const std::arra
   }
 }
 
-void SpanWriter::shade(std::uint32_t first, std::uint32_t count, const PackedNormal* normals,
-                       std::size_t stride, const std::uint16_t* lit) {
-  shaded_.push_back({first, count, normals, stride, lit});
-  if (stride == 1) return;  // the hardware prefetcher finds consecutive normals
-  for (std::uint32_t n = 0; n < count; ++n) hwy::Prefetch(normals + n * stride);
-}
-
 void SpanWriter::end_row(std::int64_t row) {
   const std::size_t first_of_row = out_.spans.size();
   for (const Blocks& blocks : blocks_) {
@@ -134,13 +127,13 @@ void SpanWriter::end_span(std::size_t first_of_row) {
 void SpanWriter::list(const ShadedRun& run, std::size_t first_of_row) {
   std::size_t s = first_of_row;
   for (std::uint32_t n = 0; n < run.count; ++n) {
-    const std::uint16_t lit = run.lit == nullptr ? ShadedVoxel::kAllLit : run.lit[n];
+    const std::uint16_t lit = run.light.lit == nullptr ? ShadedVoxel::kAllLit : run.light.lit[n];
     if (lit == 0) continue;
     const std::uint32_t voxel = run.first + n;
     while (s < out_.spans.size() && block_of(voxel) >= out_.spans[s].first_block + out_.spans[s].blocks) ++s;
     if (s == out_.spans.size()) return;
     if (block_of(voxel) < out_.spans[s].first_block) continue;
-    ShadedVoxel shaded{out_.place(out_.spans[s], voxel), run.normals[n * run.stride], lit, {}};
+    ShadedVoxel shaded{out_.place(out_.spans[s], voxel), run.light.normals[n * run.light.stride], lit, {}};
     const float* const optics = out_.optics.data() + shaded.place;
     if (optics[0] <= 0) continue;
     for (int c = 0; c < out_.emissions; ++c)

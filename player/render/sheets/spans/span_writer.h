@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "player/render/light/voxel_light.h"
 #include "player/render/sheets/spans/span_model.h"
 
 namespace splatlas {
@@ -31,10 +32,10 @@ class SpanWriter {
   }
   /// Multiplies emission 0, that of white, by a colour to get all three emissions.
   void color(std::uint32_t first, std::uint32_t count, const std::array<float, 3>& color);
-  /// Lists added voxels as shaded, with normals[0], normals[stride], ... `lit`: shares of their emissions
-  /// that depend on the normals; null: all.
-  void shade(std::uint32_t first, std::uint32_t count, const PackedNormal* normals, std::size_t stride,
-             const std::uint16_t* lit = nullptr);
+  /// Lists the lit ones of added voxels. `light` must be valid until the end of the row.
+  void shade(std::uint32_t first, std::uint32_t count, const VoxelLight& light) {
+    if (light.normals != nullptr) shaded_.push_back({first, count, light});
+  }
   /// Appends the row's spans. Rows of the grid come in ascending order.
   void end_row(std::int64_t row);
   /// Completes the offsets, after the last row.
@@ -49,9 +50,7 @@ class SpanWriter {
   };
   struct ShadedRun {
     std::uint32_t first = 0, count = 0;
-    const PackedNormal* normals = nullptr;
-    std::size_t stride = 1;
-    const std::uint16_t* lit = nullptr;
+    VoxelLight light;
   };
   void make_room(std::size_t floats);
   void keep(std::uint32_t block, float* line, std::size_t first_of_row);

@@ -85,8 +85,8 @@ TEST(SpanWriter, ListsShadedVoxelsThatAbsorb) {
   set(writer, 2, 3);
   set(writer, 5, 35, 0);
   set(writer, 40, 4);
-  writer.shade(2, 3, normals.data() + 10, 3);
-  writer.shade(5, 37, normals.data() + 100, 1);  // two of them absorb
+  writer.shade(2, 3, {normals.data() + 10, 3, nullptr});
+  writer.shade(5, 37, {normals.data() + 100, 1, nullptr});  // two of them absorb
   writer.end_row(0);
   writer.finish();
   ASSERT_EQ(slice.shaded.size(), 5u);
