@@ -23,7 +23,7 @@ class Page {
   #stage = new Stage({
     camera: () => this.#show(),
     pick: (u, v) => this.#engine.pick(u, v),
-    resized: () => this.#show(),
+    resized: () => { if (!matchMedia('print').matches) this.#show(); },
   });
   #model = null;
   #tree = null;
@@ -169,7 +169,7 @@ class Page {
     };
     views.forEach(({name, azimuth, elevation}, n) => {
       const title = name[0].toUpperCase() + name.slice(1);
-      add(title, title.slice(0, 3), kViewKeys[n], () => this.#turnTo({azimuth, elevation}));
+      add(title, title[0], kViewKeys[n], () => this.#turnTo({azimuth, elevation}));
     });
     add('Zoom in', '+', '+', () => this.#stage.zoom(kZoomStep));
     add('Zoom out', '−', '-', () => this.#stage.zoom(1 / kZoomStep));

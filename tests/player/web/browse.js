@@ -1,10 +1,11 @@
-// node browse.js PAGE FOLDER: drives a page of `splatlas-player export --html` in Chromium, from file://.
+// node browse.js PAGE FOLDER NAME: drives a page of `splatlas-player export --html` in Chromium, from file://.
 //
-// Loads it, drags, searches, chooses, picks, cuts, undoes, and steps through the scenes, at the sizes of a desk and of
-// a phone. Every console message is a failure. Writes screenshots into FOLDER. The page must have scenes.
-// Exit status 77: puppeteer-core or Chromium is missing (`npm install puppeteer-core` in FOLDER, Debian's chromium).
+// Loads it, drags, searches for NAME, chooses, picks, cuts, undoes, and steps through the scenes, at the sizes of a desk
+// and of a phone. Every console message, request and script of an atlas is a failure. Writes screenshots into FOLDER.
+// The page must have scenes. Installs puppeteer-core in FOLDER. Exit status 77: there is none, or no Chromium.
 'use strict';
 const assert = require('node:assert');
+const {execFileSync} = require('node:child_process');
 const fs = require('node:fs');
 const path = require('node:path');
 const {createRequire} = require('node:module');
@@ -15,24 +16,29 @@ const kDesk = {width: 1280, height: 800};
 const kPhone = {width: 390, height: 844, isMobile: true, hasTouch: true};
 const kPatience = 60000;  // ms
 
-const [file, folder] = process.argv.slice(2);
+const kDragMoves = 60;
+const kFrameMs = 30;
+const kMinDraftRate = 3;  // a second; slow machines run other tests meanwhile
 
+const kPuppeteer = 'puppeteer-core@24';
+
+const [file, folder, name] = process.argv.slice(2);
+
+/** The library that drives browsers; null where it cannot be installed. */
 function puppeteer() {
+  const load = createRequire(path.resolve(folder, 'package.json'));
   try {
-    return createRequire(path.resolve(folder, 'x.js'))('puppeteer-core');
+    if (!fs.existsSync(path.join(folder, 'node_modules', 'puppeteer-core'))) {
+      fs.writeFileSync(path.join(folder, 'package.json'), '{}');
+      execFileSync('npm', ['install', '--no-audit', '--no-fund', kPuppeteer], {cwd: folder, stdio: 'ignore'});
+    }
+    return load('puppeteer-core');
   } catch {
     return null;
   }
 }
 
-/** The canvas as a number: a hash of its pixels. */
-const hashOfCanvas = () => {
-  const canvas = document.getElementById('canvas');
-  const {data} = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
-  let hash = 0;
-  for (let n = 0; n < data.length; ++n) hash = (Math.imul(hash, 31) + data[n]) | 0;
-  return hash;
-};
+const textOfCanvas = () => document.getElementById('canvas').toDataURL();
 
 class Visit {
   constructor(page, viewport) {
@@ -41,7 +47,13 @@ class Visit {
     this.messages = [];
     page.on('console', message => this.messages.push(message.text()));
     page.on('pageerror', error => this.messages.push(String(error)));
-    page.on('requestfailed', request => this.messages.push(`request: ${request.url()}`));
+    page.on('dialog', dialog => {
+      this.messages.push(`dialog: ${dialog.message()}`);
+      dialog.dismiss();
+    });
+    page.on('request', request => {
+      if (!/^(file|data|blob):/.test(request.url())) this.messages.push(`request: ${request.url()}`);
+    });
   }
 
   async open(url) {
@@ -57,11 +69,11 @@ class Visit {
 
   /** Acts, waits for the finished picture, and requires that it is another one. */
   async changes(what, act) {
-    const before = await this.page.evaluate(hashOfCanvas);
+    const before = await this.page.evaluate(textOfCanvas);
     await this.page.evaluate(() => { document.body.dataset.quality = ''; });
     await act();
     await this.refined();
-    assert.notStrictEqual(await this.page.evaluate(hashOfCanvas), before, `${what}: the picture is the same`);
+    assert(await this.page.evaluate(textOfCanvas) !== before, `${what}: the picture is the same`);
   }
 
   async text(selector) {
@@ -85,28 +97,81 @@ async function middleOf(visit) {
   return [box.x + box.width / 2, box.y + box.height / 2];
 }
 
+/** Turns the picture. Requires drafts while it turns. */
 async function drag(visit) {
   const {mouse} = visit.page;
+  await visit.page.evaluate(() => {
+    const put = CanvasRenderingContext2D.prototype.putImageData;
+    window.drafts = 0;
+    CanvasRenderingContext2D.prototype.putImageData = function count(...picture) {
+      ++window.drafts;
+      put.apply(this, picture);
+    };
+  });
+  const begin = performance.now();
   const [x, y] = await middleOf(visit);
   await mouse.move(x, y);
   await mouse.down();
-  for (let n = 1; n <= 20; ++n) await mouse.move(x + 5 * n, y + n);
+  for (let n = 1; n <= kDragMoves; ++n) {
+    await mouse.move(x + 200 * n / kDragMoves, y + 40 * n / kDragMoves);
+    await new Promise(resolve => setTimeout(resolve, kFrameMs));
+  }
+  const seconds = (performance.now() - begin) / 1000;
+  const rate = await visit.page.evaluate(() => window.drafts) / seconds;
   await mouse.up();
+  console.log(`${rate.toFixed(1)} drafts a second in a drag`);
+  assert(rate > kMinDraftRate);
 }
 
 async function search(visit) {
   const {page} = visit;
+  const isNamed = text => text.toLowerCase().includes(name.toLowerCase());
   await page.click('#search');
-  await page.type('#search', 'thalamus');
-  const rows = await page.$$eval('#tree [role=treeitem]', items => items.map(item => item.textContent));
-  assert(rows.length > 0 && rows.every(row => /thalamus/i.test(row)), `found: ${rows}`);
+  await page.type('#search', name);
+  const rows = await page.$$eval('#tree .label > bdi', names => names.map(each => each.textContent));
+  assert(rows.length > 0 && rows.every(isNamed), `found: ${rows}`);
   await visit.picture('search');
   await page.click('#tree [role=treeitem]');
-  assert.match(await visit.text('#chosen-name'), /thalamus/i);
-  await page.$eval('#search', input => {
-    input.value = '';
+  assert(isNamed(await visit.text('#chosen-name')));
+}
+
+/** Shows the found structure alone, changes it, and picks it. */
+async function edit(visit) {
+  const {page} = visit;
+  await visit.changes('isolate', () => page.click('#isolate'));
+  await visit.changes('fit', () => page.keyboard.press('f'));
+  const [x, y] = await middleOf(visit);
+  await page.mouse.click(x, y);
+  await page.waitForSelector('#picked strong', {timeout: kPatience});
+  assert.strictEqual(await visit.text('#picked strong'), await visit.text('#chosen-name'));
+  assert.strictEqual(await page.$eval('#search', input => input.value), '');
+  await visit.picture('desk_pick');
+  await visit.changes('volume', () => page.click('[data-mode-button=volume]'));
+  await visit.changes('colour', () => page.$eval('#color', input => {
+    input.value = '#20c040';
     input.dispatchEvent(new Event('input'));
-  });
+  }));
+  await visit.changes('undo', () => page.click('#undo'));
+  await visit.changes('undo', () => page.keyboard.press('u'));
+  await visit.changes('undo', () => page.keyboard.press('u'));
+  await visit.changes('fit', () => page.keyboard.press('f'));
+}
+
+/** The colours, text sizes and tabs of the panel. */
+async function display(visit) {
+  const {page} = visit;
+  await page.click('#tab-display');
+  await page.select('#theme', 'dark');
+  await visit.picture('desk_dark');
+  await page.select('#theme', 'contrast');
+  await visit.changes('text size', () => page.select('#text-size', '1.25'));
+  await visit.picture('desk_contrast');
+  await page.select('#theme', 'light');
+  await visit.changes('text size', () => page.select('#text-size', '1'));
+  await page.click('#tab-about');
+  await visit.picture('desk_about');
+  await visit.hasNoOverflow();
+  await page.pdf({path: path.join(folder, 'print.pdf'), format: 'A4', printBackground: true});
 }
 
 async function onDesk(visit, url) {
@@ -120,29 +185,11 @@ async function onDesk(visit, url) {
   await visit.changes('drag', () => drag(visit));
   await visit.changes('wheel', () => page.mouse.wheel({deltaY: -200}));
   await search(visit);
-  await visit.changes('mode', () => page.click('[data-mode-button=off]'));
-  await visit.changes('isolate', () => page.click('#isolate'));
-  await visit.changes('undo', () => page.click('#undo'));
-  await visit.changes('undo', () => page.click('#undo'));
-  const [x, y] = await middleOf(visit);
-  await page.mouse.click(x, y);
-  await page.waitForSelector('#picked strong', {timeout: kPatience});
-  await visit.picture('desk_pick');
+  await edit(visit);
   await page.click('#tab-cutting');
   await visit.changes('cut', () => page.select('#cuts select', 'high'));
   await visit.picture('desk_cut');
-  await page.click('#tab-display');
-  await page.select('#theme', 'dark');
-  await visit.picture('desk_dark');
-  await page.select('#theme', 'contrast');
-  await page.select('#text-size', '1.25');
-  await visit.picture('desk_contrast');
-  await page.select('#text-size', '1');
-  await page.select('#theme', 'light');
-  await page.click('#tab-about');
-  await visit.picture('desk_about');
-  await visit.hasNoOverflow();
-  await page.pdf({path: path.join(folder, 'print.pdf'), format: 'A4', printBackground: true});
+  await display(visit);
   return page.url();
 }
 
