@@ -18,7 +18,7 @@ check() {
   fi
 }
 
-check product 58420 format preprocess player schemas
-check tests 48120 tests
+check product 58900 format preprocess player schemas
+check tests 48160 tests
 check bench 8340 bench
 exit "$bad"

@@ -3,7 +3,7 @@ set(default_module ${PROJECT_SOURCE_DIR}/build/web/splatlas.wasm)
 if(NOT EXISTS ${default_module})
   set(default_module "")
 endif()
-set(SPLATLAS_WEB_MODULE "${default_module}" CACHE FILEPATH "splatlas.wasm for `splatlas-player export --html`; empty: none")
+set(SPLATLAS_WEB_MODULE "${default_module}" CACHE FILEPATH "splatlas.wasm that the player embeds; empty: none")
 if(NOT SPLATLAS_WEB_MODULE AND default_module)  # built since the first configuration
   set(SPLATLAS_WEB_MODULE ${default_module} CACHE FILEPATH "" FORCE)
 endif()

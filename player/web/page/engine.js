@@ -26,6 +26,7 @@ class Engine {
   #state = null;
   #timer = 0;
   #restarts = 0;
+  #isReady = false;
 
   constructor(handlers) {
     this.#handlers = handlers;
@@ -53,7 +54,7 @@ class Engine {
 
   /** Asks for the structure at (u, v), from 0 to 1 in the picture. */
   pick(u, v) {
-    this.#workers[0].postMessage({type: 'pick', serial: this.#serial, state: {...this.#state, fit: null}, u, v});
+    this.#workers[0].postMessage({type: 'pick', serial: this.#serial, state: this.#state, u, v});
   }
 
   #begin(n) {
@@ -70,8 +71,10 @@ class Engine {
   #receive(n, message) {
     if (message.type === 'fatal') return this.#restart(n, message.message);
     if (message.type === 'ready') {
-      if (n === 0) this.#handlers.ready(message.info);
-      return;
+      if (n > 0) return;
+      if (this.#isReady) return this.show(this.#state);
+      this.#isReady = true;
+      return this.#handlers.ready(message.info);
     }
     if (message.type === 'picked') return this.#handlers.picked(message.picked);
     if (message.serial !== this.#serial) return this.#takeOld(message);
@@ -80,11 +83,12 @@ class Engine {
     if (message.isFitted) this.#state = {...this.#state, camera: message.camera, fit: null};
     this.#handlers.picture(message);
     if (message.quality === 'draft') this.#refineSoon();
+    return undefined;
   }
 
   /** Drafts of a drag are shown although a newer one is asked for; old refinements are not. */
   #takeOld(message) {
-    if (message.type === 'picture' && message.quality === 'draft' && !message.isFitted)
+    if (message.type === 'picture' && message.quality === 'draft')
       this.#handlers.picture({...message, isOld: true});
   }
 

@@ -18,7 +18,7 @@ class Page {
     picture: message => this.#takePicture(message),
     picked: picked => this.#takePick(picked),
     error: text => this.#takeError(text),
-    stopped: text => this.#stop(text),
+    stopped: text => this.#stopFor(text),
   });
   #stage = new Stage({
     camera: () => this.#show(),
@@ -35,6 +35,7 @@ class Page {
   #messageTimer = 0;
 
   async start() {
+    window.addEventListener('error', event => this.#stopFor(event.message));
     startTabs();
     this.#startDisplay();
     try {
@@ -138,6 +139,7 @@ class Page {
   /** Tells an error, and returns to what was drawn before. */
   #takeError(text) {
     this.#tell(text);
+    if (this.#model === null) return;
     const good = this.#lastGood ?? {...this.#model.state, base: this.#opening.select, edits: [], scene: null};
     if (this.#model.state === good) return;
     this.#model.state = good;
@@ -153,11 +155,16 @@ class Page {
     this.#messageTimer = setTimeout(() => { box.hidden = true; }, kMessageMs);
   }
 
+  /** Nothing more will be drawn: tells why, and leaves what is there. */
   #stop(text) {
     this.#tell(text);
     clearTimeout(this.#messageTimer);
     byId('loading').hidden = true;
     document.body.dataset.stopped = 'true';
+  }
+
+  #stopFor(reason) {
+    this.#stop(`The player has stopped: ${reason}. Load the page again, or export it anew.`);
   }
 
   #startViews(views) {
@@ -265,7 +272,7 @@ class Page {
     };
     const act = view ? () => this.#turnTo({azimuth: view.azimuth, elevation: view.elevation}) :
       keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
-    if (!act) return;
+    if (!act || (event.key.startsWith('Page') && event.target.closest('#panel'))) return;
     event.preventDefault();
     act();
   }

@@ -126,9 +126,11 @@ class Cuts {
       ['Top and bottom', 'superior', 'inferior']];
     this.#rows = axes.map(([name, high, low], axis) => {
       const [first, last] = [Math.floor(center[axis] - radius), Math.ceil(center[axis] + radius)];
-      const slider = element('input', {type: 'range', min: first, max: last, step: 0.5, 'aria-label': `Cut, ${name}`});
-      const side = element('select', {'aria-label': `Side to remove, ${name}`}, element('option', {value: ''}, 'no cut'),
-        element('option', {value: 'high'}, `remove ${high}`), element('option', {value: 'low'}, `remove ${low}`));
+      const slider = element('input',
+        {type: 'range', min: first, max: last, step: 0.5, 'aria-label': `Cut, ${name}`});
+      const side = element('select', {'aria-label': `Side to remove, ${name}`},
+        element('option', {value: ''}, 'no cut'), element('option', {value: 'high'}, `remove ${high}`),
+        element('option', {value: 'low'}, `remove ${low}`));
       const text = element('output', {});
       const read = gesture => {
         const cut = side.value === '' ? null : {offset: Number(slider.value), isFlipped: side.value === 'low'};
@@ -141,7 +143,8 @@ class Cuts {
         read(`cut ${axis}`);
       });
       side.addEventListener('change', () => read(null));
-      byId('cuts').append(element('div', {class: 'cut'}, element('span', {class: 'cut-name'}, name), side, slider, text));
+      byId('cuts').append(
+        element('div', {class: 'cut'}, element('span', {class: 'cut-name'}, name), side, slider, text));
       return {slider, side, text};
     });
     byId('no-cuts').addEventListener('click', () => {

@@ -85,7 +85,8 @@ class Stage {
     this.#canvas.setPointerCapture(event.pointerId);
     this.#canvas.focus({preventScroll: true});
     this.#pointers.set(event.pointerId, this.#place(event));
-    this.#press = this.#pointers.size === 1 && event.button === 0 ? {at: this.#place(event), time: event.timeStamp} : null;
+    const isClick = this.#pointers.size === 1 && event.button === 0;
+    this.#press = isClick ? {at: this.#place(event), time: event.timeStamp} : null;
   }
 
   #move(event) {

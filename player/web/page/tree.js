@@ -1,7 +1,9 @@
 // The tree of structures, or the list of those that a search finds. Part of the page's script.
 'use strict';
 
-const kModeTexts = {off: 'hidden', surface: 'surface', volume: 'volume', both: 'volume and surface', mixed: 'partly shown'};
+const kModeTexts = {
+  off: 'hidden', surface: 'surface', volume: 'volume', both: 'volume and surface', mixed: 'partly shown',
+};
 const kMaxFound = 200;
 
 /** Creates an element with attributes and children; texts among them are never markup. */

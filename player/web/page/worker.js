@@ -12,6 +12,7 @@ const kMaxGrowth = 1.25;
 let splatlas = null;
 let selected = null;   // text of the module's selection
 let scale = 1;         // size of drafts, relative to the size asked for
+let latest = null;     // {serial, width, height} of the latest picture
 let drawRequest = null;
 let pickRequest = null;
 let isAwake = false;
@@ -67,43 +68,48 @@ function fail(error, serial, isFatal) {
 
 function drawPicture(request) {
   const isNew = request.select !== selected;
-  let warnings = [];
-  if (isNew) {
-    selected = null;
-    warnings = splatlas.select(request.select);
-    selected = request.select;
-  }
-  const isDraft = request.quality === 'draft';
-  splatlas.cut(request.cuts);
-  splatlas.options({depthCue: request.depthCue && !isDraft, draftBudget: request.budget});
-  splatlas.camera = request.camera;
-  const [width, height] = request.size;
-  if (request.fit) {
-    const camera = splatlas.fit(width, height, request.fit.structure);
-    splatlas.view({zoom: camera.zoom * request.fit.zoom});
-  }
-  const shrink = isDraft && request.budget > 0 ? scale : 1;
+  const warnings = isNew ? select(request.select) : [];
   const begin = performance.now();
-  const picture = splatlas.render(Math.max(1, Math.round(width * shrink)), Math.max(1, Math.round(height * shrink)),
-    request.quality);
-  if (shrink === scale && isDraft && !isNew) adapt(performance.now() - begin, request.budget);
+  const shrink = request.quality === 'draft' ? scale : 1;
+  const picture = render(request, shrink);
+  if (request.quality === 'draft' && !isNew) adapt(performance.now() - begin, request.budget);
   self.postMessage({
     type: 'picture', serial: request.serial, quality: request.quality, camera: splatlas.camera, warnings,
-    ms: performance.now() - begin, drawn: isNew ? splatlas.drawn() : null, isFitted: Boolean(request.fit), ...picture,
+    drawn: isNew ? splatlas.drawn() : null, isFitted: Boolean(request.fit), ...picture,
   }, [picture.data.buffer]);
+}
+
+function select(text) {
+  selected = null;
+  const warnings = splatlas.select(text);
+  selected = text;
+  return warnings;
+}
+
+function render({serial, cuts, depthCue, budget, camera, size, fit, quality}, shrink) {
+  latest = null;
+  splatlas.cut(cuts);
+  splatlas.options({depthCue: depthCue && quality !== 'draft', draftBudget: budget});
+  splatlas.camera = camera;
+  if (fit) splatlas.view({zoom: splatlas.fit(...size, fit.structure).zoom * fit.zoom});
+  const [width, height] = size.map(side => Math.max(1, Math.round(side * shrink)));
+  const picture = splatlas.render(width, height, quality);
+  latest = {serial, width, height};
+  return picture;
 }
 
 /** Chooses the size of the next draft by the time of the latest. */
 function adapt(ms, budget) {
-  if (budget <= 0) return;
   const wanted = Math.min(scale * Math.sqrt(budget / ms), scale * kMaxGrowth, 1);
   scale = Math.max(kMinScale, Math.round(wanted / kScaleStep) * kScaleStep);
 }
 
-/** Picks in a small picture of the page's newest state, which need not be the latest picture. */
+/** Picks in the page's newest state. The latest picture is of another one only after an error. */
 function answerPick({serial, state, u, v}) {
-  drawPicture({...state, serial, quality: 'draft', budget: 0});
-  const [width, height] = state.size;
-  self.postMessage({type: 'picked', serial, picked: splatlas.pick(u * width, v * height)});
+  if (latest?.serial !== serial) {
+    if (state.select !== selected) select(state.select);
+    render({...state, serial, fit: null, budget: 0, quality: 'draft'}, 1);
+  }
+  self.postMessage({type: 'picked', serial, picked: splatlas.pick(u * latest.width, v * latest.height)});
 }
 })();

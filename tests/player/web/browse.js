@@ -1,8 +1,9 @@
 // node browse.js PAGE FOLDER NAME: drives a page of `splatlas-player export --html` in Chromium, from file://.
 //
-// Loads it, drags, searches for NAME, chooses, picks, cuts, undoes, and steps through the scenes, at the sizes of a desk
-// and of a phone. Every console message, request and script of an atlas is a failure. Writes screenshots into FOLDER.
-// The page must have scenes. Installs puppeteer-core in FOLDER. Exit status 77: there is none, or no Chromium.
+// Loads it, drags, searches for NAME, chooses, picks, cuts, undoes, and steps through the scenes, at the sizes of a
+// desk and of a phone. Console messages, requests and dialogs are failures. Writes screenshots into FOLDER.
+// The page must have scenes. Installs puppeteer-core in FOLDER. SPLATLAS_BROWSER may name another Chromium, or Firefox.
+// Exit status 77: puppeteer-core or the browser is missing.
 'use strict';
 const assert = require('node:assert');
 const {execFileSync} = require('node:child_process');
@@ -11,9 +12,10 @@ const path = require('node:path');
 const {createRequire} = require('node:module');
 const {pathToFileURL} = require('node:url');
 
-const kChromium = process.env.SPLATLAS_CHROMIUM ?? '/usr/bin/chromium';
+const kBrowser = process.env.SPLATLAS_BROWSER ?? '/usr/bin/chromium';
+const kIsFirefox = kBrowser.includes('firefox');
 const kDesk = {width: 1280, height: 800};
-const kPhone = {width: 390, height: 844, isMobile: true, hasTouch: true};
+const kPhone = {width: 390, height: 844, ...(kIsFirefox ? {} : {isMobile: true, hasTouch: true})};
 const kPatience = 60000;  // ms
 
 const kDragMoves = 60;
@@ -212,15 +214,31 @@ async function byLink(visit, link) {
   assert.notStrictEqual(await visit.text('#message'), '');
 }
 
+/** A page whose atlas is cut short tells so, and keeps its opening picture. */
+async function onDamage(visit) {
+  const html = fs.readFileSync(file, 'utf8');
+  const begin = html.indexOf('id="atlas">') + 'id="atlas">'.length;
+  const half = 4 * Math.floor((html.indexOf('</script>', begin) - begin) / 8);
+  const damaged = path.resolve(folder, 'damaged.html');
+  fs.writeFileSync(damaged, html.slice(0, begin + half) + html.slice(html.indexOf('</script>', begin)));
+  await visit.page.setViewport(visit.viewport);
+  await visit.page.goto(pathToFileURL(damaged).href);
+  await visit.page.waitForFunction(() => document.body.dataset.stopped === 'true', {timeout: kPatience});
+  assert.match(await visit.text('#message'), /atlas/);
+  assert.strictEqual(await visit.page.$eval('#opening-picture', image => image.hidden), false);
+  await visit.picture('damaged');
+}
+
 async function main() {
   const library = puppeteer();
-  if (!library || !fs.existsSync(kChromium)) return 77;
-  const browser = await library.launch({executablePath: kChromium, args: ['--no-sandbox', '--no-first-run']});
+  if (!library || !fs.existsSync(kBrowser)) return 77;
+  const browser = await library.launch(kIsFirefox ? {browser: 'firefox', executablePath: kBrowser} :
+    {executablePath: kBrowser, args: ['--no-sandbox', '--no-first-run']});
   try {
     const url = pathToFileURL(path.resolve(file)).href;
     let link = '';
     for (const [viewport, run] of [[kDesk, async (visit, at) => { link = await onDesk(visit, at); }],
-      [kPhone, onPhone], [kDesk, visit => byLink(visit, link)]]) {
+      [kPhone, onPhone], [kDesk, visit => byLink(visit, link)], [kDesk, onDamage]]) {
       const visit = new Visit(await (await browser.createBrowserContext()).newPage(), viewport);
       await run(visit, url);
       assert.deepStrictEqual(visit.messages, []);
