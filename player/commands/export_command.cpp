@@ -48,9 +48,13 @@ constexpr PictureSize kOpeningSize{800, 800};
 /// A page of base64, and the module with the atlas in its memory of 2 GiB, twice.
 constexpr std::uint64_t kMaxAtlasBytes = std::uint64_t{256} << 20;
 
+/// What the module may take for a picture (player/web/web_system.cpp).
+constexpr std::uint64_t kModuleMemory = std::uint64_t{1} << 30;
+constexpr const char* kEverything = "*";
+
 /// What the page shows first.
 struct Opening {
-  std::string select = "*", caption = {};
+  std::string select = kEverything, caption = {};
   Camera camera = {};
   double zoom = 1;
   std::optional<std::size_t> scene = std::nullopt;
@@ -69,7 +73,7 @@ Result<std::vector<std::byte>> read_atlas(const std::filesystem::path& path) {
 }
 
 Result<Opening> opening_of(const ExportRequest& request, const Atlas& atlas) {
-  Opening opening{.select = request.select.empty() ? "*" : request.select, .camera = request.camera};
+  Opening opening{.select = request.select.empty() ? kEverything : request.select, .camera = request.camera};
   const std::vector<Scene>& scenes = atlas.scenes();
   const bool is_scene = !request.scene.empty() || (request.select.empty() && !scenes.empty());
   if (!is_scene) return opening;
@@ -90,7 +94,7 @@ Result<Opening> opening_of(const ExportRequest& request, const Atlas& atlas) {
 Result<std::vector<std::byte>> draw(const std::shared_ptr<const Atlas>& atlas, Opening& opening) {
   const Result<Selection> selection = Selection::parse(opening.select, atlas->graph());
   if (!selection) return fail(selection.error().code, "{}: {}", atlas->name(), selection.error().message);
-  Renderer renderer(atlas);
+  Renderer renderer(atlas, {.max_memory_bytes = kModuleMemory});
   SPLATLAS_RETURN_IF_ERROR(renderer.select(*selection));
   const RenderOptions options{.size = kOpeningSize, .depth_cue = DepthCue::kEdges};
   SPLATLAS_ASSIGN_OR_RETURN(opening.camera, renderer.fit(opening.camera, options));
@@ -150,7 +154,13 @@ Result<void> run_export(const ExportRequest& request) {
                             Atlas::open_bytes(bytes, request.atlas.string()));
   SPLATLAS_RETURN_IF_ERROR(atlas->verify());
   SPLATLAS_ASSIGN_OR_RETURN(Opening opening, opening_of(request, *atlas));
-  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> picture, draw(atlas, opening));
+  Result<std::vector<std::byte>> drawn = draw(atlas, opening);
+  const bool is_too_large = !drawn && drawn.error().code == ErrorCode::kLimit;
+  if (is_too_large && request.select.empty() && !opening.scene) {
+    opening.select = "*:surface";
+    drawn = draw(atlas, opening);
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> picture, std::move(drawn));
   SPLATLAS_ASSIGN_OR_RETURN(const std::string html, encode_html({.atlas = bytes,
                                                                  .title = atlas->provenance().title,
                                                                  .caption = opening.caption,

@@ -15,7 +15,7 @@ function bytesOfBase64(text) {
   return Uint8Array.from(atob(text), character => character.charCodeAt(0));
 }
 
-/** Draws the newest state by workers. Calls the handlers {ready, picture, picked, error, stopped}. */
+/** Draws the newest state by workers. Calls the handlers {ready, picture, drawn, picked, error, stopped}. */
 class Engine {
   #handlers;
   #module = null;
@@ -24,6 +24,8 @@ class Engine {
   #workers = [];  // drafts and picks, and refines; the same one on a single core
   #serial = 0;
   #state = null;
+  #asked = 0;     // serial number of the latest refinement that a worker was asked for
+  #refined = 0;   // and of the latest that has come
   #timer = 0;
   #restarts = 0;
   #isReady = false;
@@ -45,11 +47,13 @@ class Engine {
 
   /** Draws a state: {select, cuts, camera, fit, size, depthCue}. A draft at once, and a finished picture after it. */
   show(state) {
+    const isNew = state.select !== this.#state?.select;
     this.#state = state;
     ++this.#serial;
     clearTimeout(this.#timer);
     this.#workers[0].postMessage(
       {...state, type: 'draw', serial: this.#serial, quality: 'draft', budget: kDraftBudget});
+    if (isNew && this.#workers.length > 1) this.#refineSoon();  // decoding takes longer than drawing
   }
 
   /** Asks for the structure at (u, v), from 0 to 1 in the picture. */
@@ -76,13 +80,16 @@ class Engine {
       this.#isReady = true;
       return this.#handlers.ready(message.info);
     }
+    if (n === 0 && message.drawn) this.#handlers.drawn(message.drawn);
     if (message.type === 'picked') return this.#handlers.picked(message.picked);
     if (message.serial !== this.#serial) return this.#takeOld(message);
     if (message.type === 'error') return this.#handlers.error(message.message);
     this.#restarts = 0;
     if (message.isFitted) this.#state = {...this.#state, camera: message.camera, fit: null};
-    this.#handlers.picture(message);
-    if (message.quality === 'draft') this.#refineSoon();
+    const isDraft = message.quality === 'draft';
+    if (!isDraft) this.#refined = this.#serial;
+    if (!isDraft || this.#refined !== this.#serial) this.#handlers.picture(message);
+    if (isDraft) this.#refineSoon();
     return undefined;
   }
 
@@ -94,8 +101,10 @@ class Engine {
 
   #refineSoon() {
     clearTimeout(this.#timer);
+    if (this.#asked === this.#serial) return;
     const [serial, state] = [this.#serial, this.#state];
     this.#timer = setTimeout(() => {
+      this.#asked = serial;
       this.#workers.at(-1).postMessage({...state, type: 'draw', serial, quality: 'normal', budget: 0});
     }, kRefineDelay);
   }

@@ -16,6 +16,7 @@ class Page {
   #engine = new Engine({
     ready: info => this.#begin(info),
     picture: message => this.#takePicture(message),
+    drawn: drawn => this.#takeDrawn(drawn),
     picked: picked => this.#takePick(picked),
     error: text => this.#takeError(text),
     stopped: text => this.#stopFor(text),
@@ -65,7 +66,6 @@ class Page {
     window.addEventListener('hashchange', () => this.#followLink());
     model.state = {...model.state, base: this.#opening.select, scene: this.#opening.scene};
     if (!this.#followLink()) this.#changed();
-    byId('loading').hidden = true;
     byId('canvas').hidden = false;
   }
 
@@ -112,16 +112,18 @@ class Page {
     }
     this.#stage.draw(message);
     byId('opening-picture').hidden = true;
-    if (message.drawn) {
-      this.#model.drawn = message.drawn;
-      this.#tree.update();
-      this.#inspector.update();
-    }
+    byId('loading').hidden = true;
     if (message.missing.length > 0) this.#tell(message.missing[0]);
     if (message.isOld) return;
     this.#lastGood = this.#model.state;
     document.body.dataset.quality = message.quality;
     if (message.quality !== 'draft') this.#writeLink();
+  }
+
+  #takeDrawn(drawn) {
+    this.#model.drawn = drawn;
+    this.#tree.update();
+    this.#inspector.update();
   }
 
   #takePick(picked) {
@@ -139,6 +141,7 @@ class Page {
   /** Tells an error, and returns to what was drawn before. */
   #takeError(text) {
     this.#tell(text);
+    byId('loading').hidden = true;
     if (this.#model === null) return;
     const good = this.#lastGood ?? {...this.#model.state, base: this.#opening.select, edits: [], scene: null};
     if (this.#model.state === good) return;
