@@ -71,7 +71,7 @@ function drawPicture(request) {
   const warnings = isNew ? select(request.select) : [];
   const begin = performance.now();
   const shrink = request.quality === 'draft' ? scale : 1;
-  const picture = render(request, shrink);
+  const picture = renderWithinMemory(request, shrink);
   if (request.quality === 'draft' && !isNew) adapt(performance.now() - begin, request.budget);
   self.postMessage({
     type: 'picture', serial: request.serial, quality: request.quality, camera: splatlas.camera, warnings,
@@ -84,6 +84,16 @@ function select(text) {
   const warnings = splatlas.select(text);
   selected = text;
   return warnings;
+}
+
+/** Many translucent surfaces may take more than the module's memory: then a draft of full size. */
+function renderWithinMemory(request, shrink) {
+  try {
+    return render(request, shrink);
+  } catch (error) {
+    if (error.code !== 'limit' || request.quality === 'draft') throw error;
+    return render({...request, quality: 'draft', budget: 0}, 1);
+  }
 }
 
 function render({serial, cuts, depthCue, budget, camera, size, fit, quality}, shrink) {
