@@ -19,6 +19,7 @@ check() {
 }
 
 check product 58900 format preprocess player schemas
-check tests 48500 tests
+check product 59450 format preprocess player schemas
+check tests 48560 tests
 check bench 8340 bench
 exit "$bad"

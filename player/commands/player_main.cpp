@@ -18,6 +18,7 @@
 #include "format/program/standard_output.h"
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
+#include "player/commands/export_command.h"
 #include "player/commands/info_command.h"
 #include "player/commands/render_command.h"
 #include "player/render/simd/simd_choice.h"
@@ -32,6 +33,7 @@ constexpr const char* kDescription =
     "\n"
     "  splatlas-player brain.atlas                 opens a window\n"
     "  splatlas-player render brain.atlas -o picture.png --select 'Cerebellum:surface'\n"
+    "  splatlas-player export brain.atlas --html brain.html    writes a page for browsers\n"
     "  splatlas-player info brain.atlas            lists structures and sizes";
 
 constexpr const char* kVersion = "splatlas-player " SPLATLAS_VERSION " (atlas format 1)";
@@ -43,7 +45,7 @@ tl::unexpected<Error> wrong_usage(const CLI::App& app, const std::string& what) 
 }
 
 tl::unexpected<Error> no_command_or_atlas(const CLI::App& app, const std::filesystem::path& word) {
-  return wrong_usage(app, fmt::format("{} is no command (render, info, verify) and no atlas file",
+  return wrong_usage(app, fmt::format("{} is no command (render, export, info, verify) and no atlas file",
                                       in_quotes(word.string())));
 }
 
@@ -129,12 +131,14 @@ Result<void> open_window(const std::filesystem::path& path, const RendererOption
 /// Options and commands, bound to typed variables.
 struct CommandLine {
   CLI::App app{kDescription, "splatlas-player"};
-  std::filesystem::path atlas;  // argument of all commands except render
+  std::filesystem::path atlas;  // argument of info, verify and the window
   RendererOptions window_renderer;
-  AtlasOptions atlas_options;  // of all commands except render
+  AtlasOptions atlas_options;  // of info, verify and the window
   bool json = false;
   RenderRequest request;
+  ExportRequest export_request;
   CLI::App* render = nullptr;
+  CLI::App* export_page = nullptr;
   CLI::App* info = nullptr;
   CLI::App* verify = nullptr;
 
@@ -146,6 +150,7 @@ struct CommandLine {
     add_memory(app, window_renderer.max_memory_bytes);
     add_max_work(app, atlas_options.max_work);
     render = add_render(app, request);
+    export_page = add_export(app, export_request);
     info = app.add_subcommand("info", "List grid, structures, counts and sizes");
     info->add_option("ATLAS", atlas, "atlas file")->required()->check(names_a_file());
     info->add_flag("--json", json, "as a JSON document");
@@ -186,6 +191,10 @@ Result<void> run_command(const CommandLine& line) {
     install_interrupt_handlers();
     return render_picture(line.request);
   }
+  if (line.export_page->parsed()) {
+    install_interrupt_handlers();
+    return run_export(line.export_request);
+  }
   if (line.info->parsed()) return print_info(line.atlas, line.json);
   if (line.verify->parsed()) return verify_file(line.atlas, line.atlas_options);
   if (line.atlas.empty()) return wrong_usage(line.app, "no atlas file is given");
@@ -195,6 +204,12 @@ Result<void> run_command(const CommandLine& line) {
   if (is_word && !std::filesystem::exists(line.atlas, ignored))
     return no_command_or_atlas(line.app, line.atlas);
   return open_window(line.atlas, line.window_renderer, line.atlas_options);
+}
+
+/// The file that the command reads.
+const std::filesystem::path& file_of(const CommandLine& line) {
+  if (line.render->parsed()) return line.request.atlas;
+  return line.export_page->parsed() ? line.export_request.atlas : line.atlas;
 }
 
 Result<void> run(int argc, char** argv) {
@@ -219,9 +234,8 @@ Result<void> run(int argc, char** argv) {
   }
   SPLATLAS_RETURN_IF_ERROR(check_order(line));
   SPLATLAS_RETURN_IF_ERROR(check_simd());
-  SPLATLAS_RETURN_IF_ERROR(run_on_file(line.render->parsed() ? line.request.atlas : line.atlas,
-                                       "take a smaller --size or select less",
-                                       [&] { return run_command(line); }));
+  SPLATLAS_RETURN_IF_ERROR(
+      run_on_file(file_of(line), "take a smaller --size or select less", [&] { return run_command(line); }));
   return finish_standard_output();
 }
 

@@ -28,6 +28,7 @@ struct WebPlayer {
   std::vector<std::byte> input;
   std::string text;
   std::optional<Renderer> renderer;
+  Selection selection;
   Camera camera;
   RenderOptions options;
   Frame frame;
@@ -78,10 +79,24 @@ Json camera_json(const Camera& camera) {
 /// Selects. Returns warnings.
 Result<Json> select(Renderer& renderer, std::string_view text) {
   SPLATLAS_ASSIGN_OR_RETURN(const auto terms, parse_selection(text));
-  SPLATLAS_ASSIGN_OR_RETURN(const Selection selection, resolve_selection(terms, renderer.atlas().graph()));
+  SPLATLAS_ASSIGN_OR_RETURN(Selection selection, resolve_selection(terms, renderer.atlas().graph()));
   SPLATLAS_ASSIGN_OR_RETURN(const auto warnings, selection_warnings(terms, renderer.atlas()));
   SPLATLAS_RETURN_IF_ERROR(renderer.select(selection));
+  player().selection = std::move(selection);
   return Json(warnings);
+}
+
+Json drawn_json(const Selection& selection) {
+  Json json = Json::array();
+  for (const StructureDraw& draw : selection.structures) {
+    Json entry = Json::array({name_of(draw.mode)});
+    if (draw.mode != DrawMode::kOff) {
+      entry.push_back(draw.opacity ? Json(*draw.opacity) : Json());
+      entry.push_back(to_hex(draw.color));
+    }
+    json.push_back(std::move(entry));
+  }
+  return json;
 }
 
 Result<void> check_rays(const Camera& camera) {
@@ -201,6 +216,7 @@ int splatlas_open() {
   return answer([]() -> Result<std::string> {
     player().frame = {};
     player().renderer.reset();
+    player().selection = {};
     SPLATLAS_ASSIGN_OR_RETURN(std::shared_ptr<const Atlas> atlas,
                               Atlas::open_bytes(std::exchange(player().input, {}), "atlas"));
     player().renderer.emplace(std::move(atlas), RendererOptions{.threads = 1});
@@ -223,6 +239,10 @@ int splatlas_select() {
     SPLATLAS_ASSIGN_OR_RETURN(const Json warnings, select(*renderer, take_input_text()));
     return line_of(warnings);
   });
+}
+
+int splatlas_drawn() {
+  return answer([]() -> Result<std::string> { return line_of(drawn_json(player().selection)); });
 }
 
 int splatlas_scene(std::uint32_t n, std::int32_t width, std::int32_t height) {

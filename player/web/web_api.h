@@ -28,6 +28,9 @@ SPLATLAS_WEB(splatlas_info) int splatlas_info();
 /// Selects by the text in the input (format/content/selection.h). Text: an array of warnings. An error keeps
 /// the selection.
 SPLATLAS_WEB(splatlas_select) int splatlas_select();
+/// Text: mode, opacity and colour of every structure in the selection, by index:
+/// [["surface", 0.4, "#c0392b"], ["off"], ...]. The opacity is null where it is the default.
+SPLATLAS_WEB(splatlas_drawn) int splatlas_drawn();
 /// Shows the n-th scene of the atlas in a picture of this size: selects, turns and fits the camera. Text:
 /// name, caption, selection, camera and warnings.
 SPLATLAS_WEB(splatlas_scene) int splatlas_scene(std::uint32_t n, std::int32_t width, std::int32_t height);

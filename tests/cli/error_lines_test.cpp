@@ -87,7 +87,7 @@ struct ErrorLines : testing::Test {
 
 TEST_F(ErrorLines, OfThePlayersCommands) {
   check_player({{{}, 2, "no atlas file is given", "--help"},
-                {{"rendr"}, 2, "\"rendr\"", "render, info, verify"},
+                {{"rendr"}, 2, "\"rendr\"", "render, export, info, verify"},
                 {{"--none"}, 2, "", "--none; see splatlas-player --help"},
                 {{""}, 2, "ATLAS: \"\"", "must name a file"},
                 {{"missing.atlas"}, 1, "missing.atlas: ", "No such file"},

@@ -13,7 +13,7 @@ const kCaps = ['values', 'labels', 'both', 'none'];
 const kQualities = ['draft', 'normal', 'high'];
 const kImports = ['wasi_snapshot_preview1.clock_time_get', 'wasi_snapshot_preview1.proc_exit'];
 const kExports = ['__wasm_call_ctors', 'memory', 'splatlas_camera', 'splatlas_clear_cuts', 'splatlas_cut',
-  'splatlas_fit', 'splatlas_floats', 'splatlas_info', 'splatlas_input', 'splatlas_open', 'splatlas_options',
+  'splatlas_drawn', 'splatlas_fit', 'splatlas_floats', 'splatlas_info', 'splatlas_input', 'splatlas_open', 'splatlas_options',
   'splatlas_pick', 'splatlas_pixels', 'splatlas_render', 'splatlas_scene', 'splatlas_select', 'splatlas_stats',
   'splatlas_text', 'splatlas_text_bytes'];
 

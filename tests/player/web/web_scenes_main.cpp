@@ -1,5 +1,6 @@
 // splatlas-web-scenes FOLDER: draws random scenes by the web API and by the renderer, which must agree to the
-// bit, and writes each for the module's test: N.atlas, N.json, and N.floats, the picture. Also phantom.atlas.
+// bit, and writes each for the module's test: N.atlas, N.json, and N.floats, the picture. Also phantom.atlas,
+// and lesson.atlas for a page.
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
@@ -111,6 +112,23 @@ void write_scene(RandomScene& scene, std::uint32_t n, const std::filesystem::pat
   write_file(path("floats"), splatlas_floats(), values);
 }
 
+/// The phantom with scenes, and markup in every text that a page shows.
+AtlasContent lesson_content() {
+  AtlasContent content = phantom_content();
+  std::vector<Structure> structures;
+  for (StructureIndex s = 0; s < content.graph.size(); ++s) structures.push_back(content.graph[s]);
+  structures[0].name = "<img src=x onerror=alert(1)>";
+  structures[1].name = "</script><script>alert(2)</script>";
+  structures[2].terms = {{"synonym", "<b>Ball</b>"}};
+  content.graph = value_or_throw(StructureGraph::build(std::move(structures)));
+  content.provenance.title = "</title><script>alert(3)</script> & \"{{atlas}}\"";
+  content.provenance.citation = "<iframe src='javascript:alert(4)'>";
+  content.scenes = {{"Both <i>balls</i>", "\"><svg onload=alert(5)> {{script}}", "*:surface", 20, 30, 1},
+                    {"Second", "One is faint.", "Sphere_1:surface + Sphere_2:surface(opacity=0.5)", 90, 0, 1},
+                    {"Third", "", "Sphere_1:volume", 0, 90, 2}};
+  return content;
+}
+
 void write_scenes(const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder);
   for (std::uint32_t n = 0, number = 0; n < kScenes; ++number) {
@@ -119,6 +137,8 @@ void write_scenes(const std::filesystem::path& folder) {
   }
   const Bytes phantom = value_or_throw(encode_atlas(phantom_content()));
   write_file(folder / "phantom.atlas", phantom.data(), phantom.size());
+  const Bytes lesson = value_or_throw(encode_atlas(lesson_content()));
+  write_file(folder / "lesson.atlas", lesson.data(), lesson.size());
 }
 
 }  // namespace

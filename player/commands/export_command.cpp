@@ -1,0 +1,172 @@
+#include "player/commands/export_command.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "format/atlas_reader.h"
+#include "format/io/check_writable.h"
+#include "format/io/input_file.h"
+#include "format/io/output_file.h"
+#include "format/io/output_path.h"
+#include "format/program/command_options.h"
+#include "format/result_macros.h"
+#include "format/text/json_text.h"
+#include "player/commands/framing.h"
+#include "player/renderer.h"
+#include "player/web/html_page.h"
+#include "player/write_png.h"
+
+namespace splatlas {
+namespace {
+
+constexpr const char* kFooter =
+    "The page is one file. Browsers open it from a disk or a server, without a network. It needs WebAssembly "
+    "with\n"
+    "SIMD and exceptions; elsewhere it shows its opening picture. docs/web.md tells how to use it.\n"
+    "\n"
+    "Without --select and --scene the page opens with the first scene of the atlas, or with everything.\n"
+    "\n"
+    "  splatlas-player export brain.atlas --html brain.html\n"
+    "  splatlas-player export brain.atlas --html lesson.html --scene 'Basal ganglia'\n"
+    "  splatlas-player export brain.atlas --html left.html --select '\"Left hemisphere\":surface' --view "
+    "left\n"
+    "\n"
+    "Exit status: 0 done; 1 could not be done; 2 wrong usage; 3 not a valid atlas; 4 name not found.";
+
+/// Of the opening picture. The page fits it into its own picture, where the same camera shows the same.
+constexpr PictureSize kOpeningSize{800, 800};
+/// A page of base64, and the module with the atlas in its memory of 2 GiB, twice.
+constexpr std::uint64_t kMaxAtlasBytes = std::uint64_t{256} << 20;
+
+/// What the module may take for a picture (player/web/web_system.cpp).
+constexpr std::uint64_t kModuleMemory = std::uint64_t{1} << 30;
+constexpr const char* kEverything = "*";
+
+/// What the page shows first.
+struct Opening {
+  std::string select = kEverything, caption = {};
+  Camera camera = {};
+  double zoom = 1;
+  std::optional<std::size_t> scene = std::nullopt;
+};
+
+Result<std::vector<std::byte>> read_atlas(const std::filesystem::path& path) {
+  SPLATLAS_ASSIGN_OR_RETURN(const InputFile file, InputFile::open(path));
+  if (file.size() > kMaxAtlasBytes) {
+    return fail(ErrorCode::kLimit,
+                "{}: {} bytes; a page holds at most {}: make an atlas with fewer structures or larger voxels",
+                path.string(), file.size(), kMaxAtlasBytes);
+  }
+  std::vector<std::byte> bytes(file.size());
+  SPLATLAS_RETURN_IF_ERROR(file.read(0, bytes));
+  return bytes;
+}
+
+Result<Opening> opening_of(const ExportRequest& request, const Atlas& atlas) {
+  Opening opening{.select = request.select.empty() ? kEverything : request.select, .camera = request.camera};
+  const std::vector<Scene>& scenes = atlas.scenes();
+  const bool is_scene = !request.scene.empty() || (request.select.empty() && !scenes.empty());
+  if (!is_scene) return opening;
+  SPLATLAS_ASSIGN_OR_RETURN(const Scene scene,
+                            find_scene(request.scene.empty() ? scenes.front().name : request.scene, atlas));
+  opening.scene = std::ranges::find(scenes, scene.name, &Scene::name) - scenes.begin();
+  opening.select = scene.selection;
+  opening.caption = scene.caption;
+  opening.zoom = scene.zoom;
+  if (!request.names_view) {
+    opening.camera.azimuth_deg = scene.azimuth_deg;
+    opening.camera.elevation_deg = scene.elevation_deg;
+  }
+  return opening;
+}
+
+/// Fits the camera and draws the picture, with a transparent background.
+Result<std::vector<std::byte>> draw(const std::shared_ptr<const Atlas>& atlas, Opening& opening) {
+  const Result<Selection> selection = Selection::parse(opening.select, atlas->graph());
+  if (!selection) return fail(selection.error().code, "{}: {}", atlas->name(), selection.error().message);
+  Renderer renderer(atlas, {.max_memory_bytes = kModuleMemory});
+  SPLATLAS_RETURN_IF_ERROR(renderer.select(*selection));
+  const RenderOptions options{.size = kOpeningSize, .depth_cue = DepthCue::kEdges};
+  SPLATLAS_ASSIGN_OR_RETURN(opening.camera, renderer.fit(opening.camera, options));
+  opening.camera.zoom = std::clamp(opening.camera.zoom * opening.zoom, kMinZoom, kMaxZoom);
+  SPLATLAS_ASSIGN_OR_RETURN(const Frame frame, renderer.render(opening.camera, options));
+  return encode_png(frame.picture);
+}
+
+std::string json_of(const Opening& opening) {
+  const Camera& camera = opening.camera;
+  nlohmann::ordered_json json{
+      {"select", opening.select},
+      {"camera",
+       {{"azimuth", camera.azimuth_deg}, {"elevation", camera.elevation_deg}, {"zoom", camera.zoom}}},
+      {"scene", nullptr}};
+  if (camera.center_lps_mm) json["camera"]["center"] = *camera.center_lps_mm;
+  if (opening.scene) json["scene"] = *opening.scene;
+  return json_text(json, -1);
+}
+
+}  // namespace
+
+CLI::App* add_export(CLI::App& app, ExportRequest& request) {
+  CLI::App* command = app.add_subcommand("export", "Write a page that plays an atlas in browsers");
+  command->add_option("ATLAS", request.atlas, "atlas file")->required()->check(names_a_file());
+  const auto file = [](std::string_view text) {
+    return text.empty() ? std::nullopt : std::optional<std::filesystem::path>(text);
+  };
+  const auto given = [](std::string_view text) {
+    return text.empty() ? std::nullopt : std::optional<std::string>(text);
+  };
+  add_parsed(*command, "--html", request.html, file, "must name a file", "page to write: one HTML file")
+      ->required();
+  CLI::Option* select = add_parsed(*command, "--select", request.select, given, "must be a selection text",
+                                   "selection of the opening picture: see splatlas-player render --help");
+  add_choice(*command, "--view", request.camera,
+             {{"anterior", Camera::of(NamedView::kAnterior)},
+              {"posterior", Camera::of(NamedView::kPosterior)},
+              {"left", Camera::of(NamedView::kLeft)},
+              {"right", Camera::of(NamedView::kRight)},
+              {"superior", Camera::of(NamedView::kSuperior)},
+              {"inferior", Camera::of(NamedView::kInferior)}},
+             "direction of the opening picture")
+      ->each([&request](const std::string&) { request.names_view = true; });
+  add_parsed(*command, "--scene", request.scene, given, "must name a scene", "scene of the opening picture")
+      ->excludes(select);
+  command->footer(kFooter);
+  return command;
+}
+
+Result<void> run_export(const ExportRequest& request) {
+  SPLATLAS_RETURN_IF_ERROR(check_web_module());
+  SPLATLAS_RETURN_IF_ERROR(check_outputs(std::vector{request.html}, std::vector{request.atlas}));
+  SPLATLAS_RETURN_IF_ERROR(check_writable_file(request.html));
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, read_atlas(request.atlas));
+  SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas,
+                            Atlas::open_bytes(bytes, request.atlas.string()));
+  SPLATLAS_RETURN_IF_ERROR(atlas->verify());
+  SPLATLAS_ASSIGN_OR_RETURN(Opening opening, opening_of(request, *atlas));
+  Result<std::vector<std::byte>> drawn = draw(atlas, opening);
+  const bool is_too_large = !drawn && drawn.error().code == ErrorCode::kLimit;
+  if (is_too_large && request.select.empty() && !opening.scene) {
+    opening.select = "*:surface";
+    drawn = draw(atlas, opening);
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> picture, std::move(drawn));
+  SPLATLAS_ASSIGN_OR_RETURN(const std::string html, encode_html({.atlas = bytes,
+                                                                 .title = atlas->provenance().title,
+                                                                 .caption = opening.caption,
+                                                                 .opening = json_of(opening),
+                                                                 .picture = picture}));
+  return write_file(request.html, std::as_bytes(std::span(html)));
+}
+
+}  // namespace splatlas

@@ -1,0 +1,32 @@
+// Command splatlas-player export: an atlas to a page for browsers.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "format/result.h"
+#include "player/camera.h"
+
+namespace CLI {
+class App;
+}
+
+namespace splatlas {
+
+/// Arguments of the export command.
+struct ExportRequest {
+  std::filesystem::path atlas, html;
+  std::string select;  ///< empty: of the first scene, or everything
+  std::string scene;   ///< name; empty: none
+  Camera camera;
+  bool names_view = false;  ///< --view is given
+};
+
+/// Adds the command. Parsing fills `request`, which must outlive `app`. Invalid values throw
+/// CLI::ValidationError with option, value and remedy.
+CLI::App* add_export(CLI::App& app, ExportRequest& request);
+
+/// Writes the page: the whole file, or none. Refuses damaged atlases. Errors name the file.
+[[nodiscard]] Result<void> run_export(const ExportRequest& request);
+
+}  // namespace splatlas

@@ -1,0 +1,107 @@
+#include "player/web/html_page.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nettle/base64.h>
+#include <nettle/sha2.h>
+
+#include "format/result_macros.h"
+#include "format/text/ascii_text.h"
+#include "player/web/page_files.h"
+
+namespace splatlas {
+namespace {
+
+std::string base64(std::span<const std::byte> bytes) {
+  std::string text(BASE64_ENCODE_RAW_LENGTH(bytes.size()), '\0');
+  base64_encode_raw(text.data(), bytes.size(), reinterpret_cast<const std::uint8_t*>(bytes.data()));
+  return text;
+}
+
+std::string base64(std::string_view bytes) {
+  return base64(std::as_bytes(std::span(bytes)));
+}
+
+/// The source expression of a content security policy that allows this script or style.
+std::string hash_source(std::string_view text) {
+  std::array<std::byte, SHA256_DIGEST_SIZE> digest{};
+  sha256_ctx context;
+  sha256_init(&context);
+  sha256_update(&context, text.size(), reinterpret_cast<const std::uint8_t*>(text.data()));
+  sha256_digest(&context, digest.size(), reinterpret_cast<std::uint8_t*>(digest.data()));
+  return "'sha256-" + base64(digest) + "'";
+}
+
+/// Chromium takes no module workers from blob:, and compiles WebAssembly only with 'wasm-unsafe-eval'.
+std::string policy(std::string_view script, std::string_view style) {
+  return fmt::format(
+      "default-src 'none'; script-src {} 'wasm-unsafe-eval'; worker-src blob:; style-src {}; img-src data:; "
+      "base-uri 'none'; form-action 'none'",
+      hash_source(script), hash_source(style));
+}
+
+/// JSON in a data block: no end of the block is in it.
+std::string json_in_markup(std::string_view json) {
+  std::string text;
+  for (const char c : json) {
+    if (c == '<') {
+      text += "\\u003c";
+    } else {
+      text += c;
+    }
+  }
+  return text;
+}
+
+/// Replaces each "{{name}}" of the template by its text, in one pass: texts are not searched.
+std::string fill(std::string_view text, std::span<const std::pair<std::string_view, std::string>> values) {
+  std::string filled;
+  while (!text.empty()) {
+    const std::size_t begin = std::min(text.find("{{"), text.size());
+    filled += text.substr(0, begin);
+    text.remove_prefix(begin);
+    const std::size_t end = text.find("}}");
+    if (end == std::string_view::npos) break;
+    const std::string_view name = text.substr(2, end - 2);
+    const auto found = std::ranges::find(values, name, &std::pair<std::string_view, std::string>::first);
+    if (found != values.end()) filled += found->second;
+    text.remove_prefix(end + 2);
+  }
+  return filled += text;
+}
+
+}  // namespace
+
+Result<void> check_web_module() {
+  if (!web_module_gzip().empty()) return {};
+  return fail(
+      ErrorCode::kFailed,
+      "--html: this player was built without splatlas.wasm; build it (cmake --preset web && cmake --build "
+      "--preset web, see docs/web.md), then configure and build the player again");
+}
+
+Result<std::string> encode_html(const HtmlPage& page) {
+  SPLATLAS_RETURN_IF_ERROR(check_web_module());
+  const std::string script = page_script();
+  const std::string_view style = page_style();
+  const std::string title = page.title.empty() ? "Anatomy atlas" : page.title;
+  const std::array<std::pair<std::string_view, std::string>, 10> values{
+      {{"policy", policy(script, style)},
+       {"title", escaped_markup(title)},
+       {"caption", escaped_markup(page.caption)},
+       {"style", std::string(style)},
+       {"script", script},
+       {"picture", base64(page.picture)},
+       {"opening", json_in_markup(page.opening)},
+       {"worker", worker_script()},
+       {"module", base64(web_module_gzip())},
+       {"atlas", base64(page.atlas)}}};
+  return fill(page_template(), values);
+}
+
+}  // namespace splatlas

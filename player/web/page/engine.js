@@ -1,0 +1,120 @@
+// The workers: one drafts and picks, one refines. Part of the page's script.
+'use strict';
+
+const kDraftBudget = 40;   // ms
+const kRefineDelay = 120;  // ms of rest before a refinement
+const kMaxRestarts = 3;
+
+/** The text of a data block of the page. */
+function block(id) {
+  return document.getElementById(id).textContent.trim();
+}
+
+function bytesOfBase64(text) {
+  if (Uint8Array.fromBase64) return Uint8Array.fromBase64(text);
+  return Uint8Array.from(atob(text), character => character.charCodeAt(0));
+}
+
+/** Draws the newest state by workers. Calls the handlers {ready, picture, drawn, picked, error, stopped}. */
+class Engine {
+  #handlers;
+  #module = null;
+  #atlas = null;
+  #source;
+  #workers = [];  // drafts and picks, and refines; the same one on a single core
+  #serial = 0;
+  #state = null;
+  #asked = 0;     // serial number of the latest refinement that a worker was asked for
+  #refined = 0;   // and of the latest that has come
+  #timer = 0;
+  #restarts = 0;
+  #isReady = false;
+
+  constructor(handlers) {
+    this.#handlers = handlers;
+  }
+
+  /** Compiles the module and starts the workers. Rejects where the browser lacks something. */
+  async start() {
+    const packed = new Blob([bytesOfBase64(block('module'))]);
+    const unpacked = new Response(packed.stream().pipeThrough(new DecompressionStream('gzip')));
+    this.#module = await WebAssembly.compile(await unpacked.arrayBuffer());
+    this.#atlas = bytesOfBase64(block('atlas'));
+    this.#source = URL.createObjectURL(new Blob([block('worker')], {type: 'text/javascript'}));
+    const count = navigator.hardwareConcurrency === 1 ? 1 : 2;
+    for (let n = 0; n < count; ++n) this.#workers.push(this.#begin(n));
+  }
+
+  /** Draws a state: {select, cuts, camera, fit, size, depthCue}. A draft at once, and a finished picture after it. */
+  show(state) {
+    const isNew = state.select !== this.#state?.select;
+    this.#state = state;
+    ++this.#serial;
+    clearTimeout(this.#timer);
+    this.#workers[0].postMessage(
+      {...state, type: 'draw', serial: this.#serial, quality: 'draft', budget: kDraftBudget});
+    if (isNew && this.#workers.length > 1) this.#refineSoon();  // decoding takes longer than drawing
+  }
+
+  /** Asks for the structure at (u, v), from 0 to 1 in the picture. */
+  pick(u, v) {
+    this.#workers[0].postMessage({type: 'pick', serial: this.#serial, state: this.#state, u, v});
+  }
+
+  #begin(n) {
+    const worker = new Worker(this.#source);
+    worker.onmessage = ({data}) => this.#receive(n, data);
+    worker.onerror = event => {
+      event.preventDefault();
+      this.#receive(n, {type: 'fatal', message: event.message || 'a worker has stopped'});
+    };
+    worker.postMessage({type: 'start', module: this.#module, atlas: this.#atlas});
+    return worker;
+  }
+
+  #receive(n, message) {
+    if (message.type === 'fatal') return this.#restart(n, message.message);
+    if (message.type === 'ready') {
+      if (n > 0) return;
+      if (this.#isReady) return this.show(this.#state);
+      this.#isReady = true;
+      return this.#handlers.ready(message.info);
+    }
+    if (n === 0 && message.drawn) this.#handlers.drawn(message.drawn);
+    if (message.type === 'picked') return this.#handlers.picked(message.picked);
+    if (message.serial !== this.#serial) return this.#takeOld(message);
+    if (message.type === 'error') return this.#handlers.error(message.message);
+    this.#restarts = 0;
+    if (message.isFitted) this.#state = {...this.#state, camera: message.camera, fit: null};
+    const isDraft = message.quality === 'draft';
+    if (!isDraft) this.#refined = this.#serial;
+    if (!isDraft || this.#refined !== this.#serial) this.#handlers.picture(message);
+    if (isDraft) this.#refineSoon();
+    return undefined;
+  }
+
+  /** Drafts of a drag are shown although a newer one is asked for; old refinements are not. */
+  #takeOld(message) {
+    if (message.type === 'picture' && message.quality === 'draft')
+      this.#handlers.picture({...message, isOld: true});
+  }
+
+  #refineSoon() {
+    clearTimeout(this.#timer);
+    if (this.#asked === this.#serial) return;
+    const [serial, state] = [this.#serial, this.#state];
+    this.#timer = setTimeout(() => {
+      this.#asked = serial;
+      this.#workers.at(-1).postMessage({...state, type: 'draw', serial, quality: 'normal', budget: 0});
+    }, kRefineDelay);
+  }
+
+  /** Replaces a worker whose module has failed. */
+  #restart(n, reason) {
+    this.#workers[n].terminate();
+    if (++this.#restarts > kMaxRestarts) return this.#handlers.stopped(reason);
+    this.#handlers.error(reason);
+    this.#workers[n] = this.#begin(n);
+    return undefined;
+  }
+}

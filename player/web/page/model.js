@@ -1,0 +1,181 @@
+// The state of the page: structures, selection, cuts and undo. Part of the page's script.
+'use strict';
+
+/** What the page shows. The selection is a text, from a scene or a link, and edits of single subtrees behind it. */
+class Model {
+  #undo = [];
+  #children;
+
+  /** @param {object} info the document of `splatlas-player info --json` */
+  constructor(info) {
+    this.info = info;
+    this.structures = info.structures;
+    const indices = new Map(this.structures.map((structure, index) => [structure.id, index]));
+    this.#children = this.structures.map(() => []);
+    this.roots = [];
+    this.structures.forEach((structure, index) => {
+      if (structure.parents.length === 0) this.roots.push(index);
+      for (const parent of structure.parents) this.#children[indices.get(parent)].push(index);
+    });
+    this.parents = this.structures.map(structure => structure.parents.map(id => indices.get(id)));
+    /** Mode, opacity and colour of every structure, as the module has drawn it; see Splatlas.drawn(). */
+    this.drawn = this.structures.map(() => ['off']);
+    this.state = {base: '*', edits: [], cuts: [null, null, null], scene: null};
+  }
+
+  children(index) {
+    return this.#children[index];
+  }
+
+  /** A structure and all below it. */
+  subtree(index) {
+    const found = new Set([index]);
+    for (const structure of found) this.#children[structure].forEach(child => found.add(child));
+    return [...found];
+  }
+
+  /** The structures without parts in a subtree. */
+  leaves(index) {
+    return this.subtree(index).filter(structure => this.#children[structure].length === 0);
+  }
+
+  /** Names from a root to the structure, along its first parents. */
+  path(index) {
+    const names = [];
+    for (let at = index; at !== undefined; at = this.parents[at][0]) names.unshift(this.structures[at].name);
+    return names;
+  }
+
+  /** The mode of a subtree: 'off', 'surface', 'volume', 'both' or 'mixed'. */
+  mode(index) {
+    const modes = new Set(this.leaves(index).map(leaf => this.drawn[leaf][0]));
+    return modes.size === 1 ? modes.values().next().value : 'mixed';
+  }
+
+  /** Opacity and colour of the first drawn structure of a subtree; of the structure itself when all are off. */
+  appearance(index) {
+    const leaf = this.leaves(index).find(structure => this.drawn[structure][0] !== 'off');
+    if (leaf === undefined) return {opacity: null, color: this.structures[index].color};
+    const [mode, opacity, color] = this.drawn[leaf];
+    return {opacity: opacity ?? (mode === 'surface' ? 1 : 0.3), color};
+  }
+
+  /** The selection as text of `splatlas-player render --select`. */
+  selection() {
+    let text = this.state.base;
+    for (const edit of this.state.edits) text += this.#textOf(edit, text.trim() === '');
+    return text.trim();
+  }
+
+  #textOf({index, mode, opacity, color}, isFirst) {
+    const name = `"${this.structures[index].id}"`;
+    const removal = isFirst ? '' : ` - ${name}`;
+    if (mode === 'off') return removal;
+    const options = [opacity === null ? '' : `opacity=${opacity}`, color === null ? '' : `color=${color}`];
+    const listed = options.filter(option => option !== '').join(',');
+    return `${removal} ${isFirst ? '' : '+ '}${name}:${mode}${listed === '' ? '' : `(${listed})`}`;
+  }
+
+  /** The cuts as the module takes them. A cut is null or {offset, isFlipped}, one for each axis of LPS. */
+  cutPlanes() {
+    return this.state.cuts.flatMap((cut, axis) => {
+      if (cut === null) return [];
+      const sign = cut.isFlipped ? -1 : 1;
+      return [{normal: [0, 1, 2].map(a => (a === axis ? sign : 0)), offset: sign * cut.offset}];
+    });
+  }
+
+  /** Changes the state. Steps with the same gesture in succession are one step of undo. */
+  change(state, camera, gesture = null) {
+    const latest = this.#undo.at(-1);
+    if (gesture === null || latest?.gesture !== gesture) this.#undo.push({state: this.state, camera, gesture});
+    if (this.#undo.length > 200) this.#undo.shift();
+    this.state = {...this.state, ...state};
+  }
+
+  canUndo() {
+    return this.#undo.length > 0;
+  }
+
+  /** Goes one step back. @returns {?object} the camera of that state if it was another scene */
+  undo() {
+    const step = this.#undo.pop();
+    if (!step) return null;
+    const isOtherScene = step.state.scene !== this.state.scene;
+    this.state = step.state;
+    return isOtherScene ? step.camera : null;
+  }
+
+  /** The edits with new ones, which replace earlier ones in their subtrees. */
+  #edited(added) {
+    const replaced = new Set(added.flatMap(edit => this.subtree(edit.index)));
+    return [...this.state.edits.filter(edit => !replaced.has(edit.index)), ...added];
+  }
+
+  /** Sets the mode of a subtree. */
+  setMode(index, mode, camera) {
+    const {opacity, color} = this.appearance(index);
+    const isOn = this.mode(index) !== 'off';
+    const hasOneColor = isOn && this.#children[index].length === 0;
+    const keeps = hasOneColor && this.mode(index) === mode;
+    const edit = {
+      index, mode, opacity: keeps ? opacity : null,
+      color: hasOneColor && color !== this.structures[index].color ? color : null,
+    };
+    this.change({edits: this.#edited([edit])}, camera);
+  }
+
+  /** Sets opacity or colour of what is drawn in a subtree. */
+  setAppearance(index, change, camera) {
+    const parts = this.#uniformParts(index);
+    const edits = parts.map(part => {
+      const {opacity, color} = this.appearance(part);
+      const isGroup = this.#children[part].length > 0;
+      const keptColor = isGroup || color === this.structures[part].color ? null : color;
+      return {index: part, mode: this.mode(part), opacity, color: keptColor, ...change};
+    });
+    if (edits.length > 0) this.change({edits: this.#edited(edits)}, camera, `${index} ${Object.keys(change)}`);
+  }
+
+  /** The largest subtrees of one mode in a subtree, without those that are off. */
+  #uniformParts(index) {
+    const mode = this.mode(index);
+    if (mode === 'off') return [];
+    const colors = new Set(this.leaves(index).map(leaf => this.drawn[leaf][2] === this.structures[leaf].color));
+    const isUniform = mode !== 'mixed' && (colors.size === 1 && colors.has(true) || this.#children[index].length === 0);
+    return isUniform ? [index] : this.#children[index].flatMap(child => this.#uniformParts(child));
+  }
+
+  /** Shows a subtree alone, as it is drawn, or as surface if it is off. */
+  isolate(index, camera) {
+    const parts = this.#uniformParts(index);
+    const edits = parts.map(part => {
+      const {opacity, color} = this.appearance(part);
+      return {
+        index: part, mode: this.mode(part), opacity: this.mode(part) === 'surface' ? 1 : opacity,
+        color: color !== this.structures[part].color && this.#children[part].length === 0 ? color : null,
+      };
+    });
+    const shown = edits.length > 0 ? edits : [{index, mode: 'surface', opacity: null, color: null}];
+    this.change({base: '', edits: shown}, camera);
+  }
+
+  showAll(camera) {
+    this.change({base: '*:surface', edits: []}, camera);
+  }
+
+  /** Indices of structures whose name, id or terms hold every word of the text; null for a blank text. */
+  search(text) {
+    const words = Model.folded(text).split(/\s+/).filter(word => word !== '');
+    if (words.length === 0) return null;
+    this.#index ??= this.structures.map(({name, id, terms = []}) =>
+      Model.folded([name, id, ...terms.map(term => term.value)].join('\n')));
+    return this.#index.flatMap((names, index) => (words.every(word => names.includes(word)) ? [index] : []));
+  }
+  #index = null;
+
+  /** Text without case, accents and underscores, for comparison. */
+  static folded(text) {
+    return text.normalize('NFD').replace(/\p{M}/gu, '').replaceAll('_', ' ').toLowerCase();
+  }
+}

@@ -1,0 +1,327 @@
+// The page: connects picture, tree, controls and workers. Last part of the page's script.
+'use strict';
+
+const kViewKeys = ['1', '2', '3', '4', '5', '6'];
+const kMaxLinkText = 20000;
+const kMessageMs = 8000;
+const kKeys = [
+  ['Arrows', 'turn (in the picture)'], ['Shift + arrows', 'move'], ['+ −', 'zoom'],
+  ['1 … 6', 'anterior, posterior, left, right, superior, inferior'], ['F', 'fit the picture to what is shown'],
+  ['N, P', 'next and previous scene'], ['/', 'search'], ['I', 'isolate the chosen structure'],
+  ['H', 'hide or show it'], ['A', 'show all'], ['U', 'undo'],
+];
+
+class Page {
+  #opening = JSON.parse(block('opening'));
+  #engine = new Engine({
+    ready: info => this.#begin(info),
+    picture: message => this.#takePicture(message),
+    drawn: drawn => this.#takeDrawn(drawn),
+    picked: picked => this.#takePick(picked),
+    error: text => this.#takeError(text),
+    stopped: text => this.#stopFor(text),
+  });
+  #stage = new Stage({
+    camera: () => this.#show(),
+    pick: (u, v) => this.#engine.pick(u, v),
+    resized: () => { if (!matchMedia('print').matches) this.#show(); },
+  });
+  #model = null;
+  #tree = null;
+  #inspector = null;
+  #scenes = null;
+  #cuts = null;
+  #fit = null;        // {structure, zoom} until the workers have fitted the camera
+  #lastGood = null;   // the latest state that was drawn
+  #messageTimer = 0;
+
+  async start() {
+    window.addEventListener('error', event => this.#stopFor(event.message));
+    startTabs();
+    this.#startDisplay();
+    try {
+      await this.#engine.start();
+    } catch (error) {
+      this.#stop(`This browser cannot run the player: ${error.message}. The picture is the opening one.`);
+    }
+  }
+
+  #begin(info) {
+    const model = this.#model = new Model(info);
+    const camera = () => this.#stage.camera;
+    const changed = () => this.#changed();
+    this.#stage.start(this.#opening.camera, info.display);
+    this.#inspector = new Inspector(model, camera, changed);
+    this.#tree = new Tree(model, {
+      choose: index => this.#inspector.choose(index),
+      toggle: index => this.#inspector.toggle(index),
+    });
+    this.#scenes = new Scenes(info.scenes, n => this.#showScene(n));
+    this.#cuts = new Cuts(model, camera, changed);
+    this.#startViews(info.views);
+    this.#startSearch();
+    this.#startActions();
+    this.#showCredits(info.provenance);
+    document.addEventListener('keydown', event => this.#key(event));
+    window.addEventListener('hashchange', () => this.#followLink());
+    model.state = {...model.state, base: this.#opening.select, scene: this.#opening.scene};
+    if (!this.#followLink()) this.#changed();
+    byId('canvas').hidden = false;
+  }
+
+  /** The selection or the cuts have changed. */
+  #changed() {
+    this.#scenes.mark(this.#model.state.scene);
+    this.#cuts.update();
+    byId('undo').disabled = !this.#model.canUndo();
+    byId('selection-text').value = this.#model.selection();
+    this.#show();
+  }
+
+  /** Draws the present state. */
+  #show() {
+    const stage = this.#stage;
+    if (stage.camera === null) return;
+    stage.mark();
+    this.#engine.show({
+      select: this.#model.selection(), cuts: this.#model.cutPlanes(), camera: stage.camera, fit: this.#fit,
+      size: stage.pictureSize(), depthCue: byId('depth-cue').checked,
+    });
+  }
+
+  #showScene(n) {
+    const scene = this.#model.info.scenes[n];
+    this.#model.change({base: scene.select, edits: [], cuts: [null, null, null], scene: n}, this.#stage.camera);
+    this.#stage.camera = {azimuth: scene.azimuth, elevation: scene.elevation, zoom: 1};
+    this.#fit = {structure: -1, zoom: scene.zoom};
+    byId('picked').replaceChildren();
+    this.#changed();
+  }
+
+  #fitSelection() {
+    this.#fit = {structure: -1, zoom: 1};
+    this.#show();
+  }
+
+  #takePicture(message) {
+    if (message.isFitted && !message.isOld && this.#fit) {
+      this.#fit = null;
+      const {azimuth, elevation} = this.#stage.camera;
+      this.#stage.camera = {...message.camera, azimuth, elevation};
+      this.#stage.mark();
+    }
+    this.#stage.draw(message);
+    byId('opening-picture').hidden = true;
+    byId('loading').hidden = true;
+    if (message.missing.length > 0) this.#tell(message.missing[0]);
+    if (message.isOld) return;
+    this.#lastGood = this.#model.state;
+    document.body.dataset.quality = message.quality;
+    if (message.quality !== 'draft') this.#writeLink();
+  }
+
+  #takeDrawn(drawn) {
+    this.#model.drawn = drawn;
+    this.#tree.update();
+    this.#inspector.update();
+  }
+
+  #takePick(picked) {
+    const box = byId('picked');
+    if (picked === null) return box.replaceChildren();
+    const path = picked.path.split('/').slice(0, -1).join(' › ');
+    box.replaceChildren(element('strong', {}, nameElement(picked.name)), element('small', {}, nameElement(path)));
+    byId('search').value = '';
+    this.#tree.show(null);
+    this.#tree.reveal(picked.index);
+    this.#inspector.choose(picked.index);
+    return undefined;
+  }
+
+  /** Tells an error, and returns to what was drawn before. */
+  #takeError(text) {
+    this.#tell(text);
+    byId('loading').hidden = true;
+    if (this.#model === null) return;
+    const good = this.#lastGood ?? {...this.#model.state, base: this.#opening.select, edits: [], scene: null};
+    if (this.#model.state === good) return;
+    this.#model.state = good;
+    this.#lastGood = good;
+    this.#changed();
+  }
+
+  #tell(text) {
+    const box = byId('message');
+    box.textContent = text;
+    box.hidden = false;
+    clearTimeout(this.#messageTimer);
+    this.#messageTimer = setTimeout(() => { box.hidden = true; }, kMessageMs);
+  }
+
+  /** Nothing more will be drawn: tells why, and leaves what is there. */
+  #stop(text) {
+    this.#tell(text);
+    clearTimeout(this.#messageTimer);
+    byId('loading').hidden = true;
+    document.body.dataset.stopped = 'true';
+  }
+
+  #stopFor(reason) {
+    this.#stop(`The player has stopped: ${reason}. Load the page again, or export it anew.`);
+  }
+
+  #startViews(views) {
+    const add = (name, short, key, act) => {
+      const button = element('button', {'aria-keyshortcuts': key, title: `${name} (${key})`, 'aria-label': name},
+        element('span', {class: 'wide'}, name), element('span', {class: 'narrow', 'aria-hidden': 'true'}, short));
+      button.addEventListener('click', act);
+      byId('views').append(button);
+    };
+    views.forEach(({name, azimuth, elevation}, n) => {
+      const title = name[0].toUpperCase() + name.slice(1);
+      add(title, title[0], kViewKeys[n], () => this.#turnTo({azimuth, elevation}));
+    });
+    add('Zoom in', '+', '+', () => this.#stage.zoom(kZoomStep));
+    add('Zoom out', '−', '-', () => this.#stage.zoom(1 / kZoomStep));
+    add('Fit', 'Fit', 'F', () => this.#fitSelection());
+    for (const button of [...byId('views').children].slice(-3, -1)) button.classList.add('sign');
+  }
+
+  #turnTo(direction) {
+    this.#stage.camera = {...this.#stage.camera, ...direction};
+    this.#show();
+  }
+
+  #startSearch() {
+    byId('search').addEventListener('input', event => {
+      const found = this.#model.search(event.target.value);
+      this.#tree.show(found);
+      byId('found').textContent = found === null ? '' : `${found.length} structures found`;
+    });
+    byId('search').addEventListener('keydown', event => {
+      if (event.key !== 'ArrowDown' && event.key !== 'Enter') return;
+      event.preventDefault();
+      const first = document.querySelector('#tree [role=treeitem]');
+      first?.focus();
+      if (event.key === 'Enter') first?.click();
+    });
+  }
+
+  #startActions() {
+    byId('undo').addEventListener('click', () => this.#undo());
+    byId('show-all').addEventListener('click', () => this.#showAll());
+    byId('apply-text').addEventListener('click', () => {
+      this.#model.change({base: byId('selection-text').value, edits: []}, this.#stage.camera);
+      this.#changed();
+    });
+    byId('depth-cue').addEventListener('change', () => this.#show());
+    byId('print').addEventListener('click', () => print());
+    byId('copy-link').addEventListener('click', async () => {
+      this.#writeLink();
+      try {
+        await navigator.clipboard.writeText(location.href);
+        this.#tell('The link is copied.');
+      } catch {
+        this.#tell('The link is in the address bar.');
+      }
+    });
+  }
+
+  #undo() {
+    const camera = this.#model.undo();
+    if (camera) this.#stage.camera = camera;
+    this.#fit = null;
+    this.#changed();
+  }
+
+  #showAll() {
+    this.#model.showAll(this.#stage.camera);
+    this.#changed();
+  }
+
+  #startDisplay() {
+    byId('theme').addEventListener('change', event => {
+      document.documentElement.dataset.theme = event.target.value;
+    });
+    byId('text-size').addEventListener('change', event => {
+      document.documentElement.style.setProperty('--text', event.target.value);
+    });
+    for (const [key, does] of kKeys)
+      byId('keys').tBodies[0].append(element('tr', {}, element('th', {scope: 'row'}, key), element('td', {}, does)));
+  }
+
+  #showCredits({title, citation, licence}) {
+    const entries = [['Atlas', title], ['Citation', citation], ['Licence', licence],
+      ['Structures', String(this.#model.structures.length)]];
+    for (const [name, text] of entries) {
+      if (text === '') continue;
+      byId('credits').append(element('dt', {}, name), element('dd', {}, nameElement(text)));
+    }
+    byId('print-credits').replaceChildren(nameElement([citation, licence].filter(text => text !== '').join(' · ')));
+  }
+
+  /** Keys of the whole page, except where a control takes text. */
+  #key(event) {
+    const isUndo = event.key === 'z' && (event.ctrlKey || event.metaKey);
+    if (event.target.closest('input:not([type=range]):not([type=checkbox]), textarea, select')) return;
+    if (!isUndo && (event.ctrlKey || event.metaKey || event.altKey)) return;
+    const view = this.#model.info.views[kViewKeys.indexOf(event.key)];
+    const keys = {
+      n: () => this.#scenes.step(1), p: () => this.#scenes.step(-1),
+      PageDown: () => this.#scenes.step(1), PageUp: () => this.#scenes.step(-1),
+      f: () => this.#fitSelection(), u: () => this.#undo(), z: () => this.#undo(), a: () => this.#showAll(),
+      i: () => this.#inspector.isolate(), h: () => this.#inspector.toggle(this.#inspector.index),
+      '/': () => this.#openSearch(),
+    };
+    const act = view ? () => this.#turnTo({azimuth: view.azimuth, elevation: view.elevation}) :
+      keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
+    if (!act || (event.key.startsWith('Page') && event.target.closest('#panel'))) return;
+    event.preventDefault();
+    act();
+  }
+
+  #openSearch() {
+    byId('tab-structures').click();
+    byId('search').focus();
+  }
+
+  /** Puts the state into the address: selection, camera and cuts. */
+  #writeLink() {
+    const {azimuth, elevation, zoom, center} = this.#stage.camera;
+    const round = number => String(Number(number.toFixed(3)));
+    const link = new URLSearchParams({select: this.#model.selection()});
+    link.set('view', [azimuth, elevation, zoom, ...(center ?? [])].map(round).join(','));
+    const cuts = this.#model.state.cuts.map(cut => (cut ? `${cut.isFlipped ? '<' : '>'}${cut.offset}` : ''));
+    if (cuts.some(cut => cut !== '')) link.set('cuts', cuts.join(','));
+    if (this.#model.state.scene !== null) link.set('scene', String(this.#model.state.scene));
+    const text = `#${link}`;
+    if (text.length < kMaxLinkText && text !== location.hash) history.replaceState(null, '', text);
+  }
+
+  /** Shows what the address says. @returns {boolean} false if it says nothing */
+  #followLink() {
+    const link = new URLSearchParams(location.hash.slice(1));
+    if (!link.has('select')) return false;
+    const view = (link.get('view') ?? '').split(',').map(Number);
+    const isView = [3, 6].includes(view.length) && view.every(Number.isFinite) && view[2] > 0;
+    const cuts = (link.get('cuts') ?? '').split(',').map(text => {
+      const offset = Number(text.slice(1));
+      return /^[<>]/.test(text) && Number.isFinite(offset) ? {offset, isFlipped: text[0] === '<'} : null;
+    });
+    const scene = link.has('scene') && this.#model.info.scenes[link.get('scene')] ? Number(link.get('scene')) : null;
+    this.#model.change({
+      base: link.get('select'), edits: [], scene, cuts: [0, 1, 2].map(axis => cuts[axis] ?? null),
+    }, this.#stage.camera);
+    if (isView) {
+      const [azimuth, elevation, zoom, ...center] = view;
+      const kept = Math.min(Math.max(zoom, Camera.kMinZoom), Camera.kMaxZoom);
+      this.#stage.camera = {azimuth, elevation, zoom: kept, ...(center.length === 3 ? {center} : {})};
+    } else {
+      this.#fit = {structure: -1, zoom: 1};
+    }
+    this.#changed();
+    return true;
+  }
+}
+
+new Page().start();

@@ -1,0 +1,187 @@
+// Controls beside the picture: the chosen structure, scenes, cuts. Part of the page's script.
+'use strict';
+
+const byId = id => document.getElementById(id);
+
+/** Mode, opacity and colour of the chosen structure. Calls the handler changed() after it has changed the model. */
+class Inspector {
+  #model;
+  #camera;
+  #changed;
+
+  /** @param {function} camera returns the camera, for undo */
+  constructor(model, camera, changed) {
+    this.#model = model;
+    this.#camera = camera;
+    this.#changed = changed;
+    this.index = model.roots[0] ?? null;
+    for (const button of document.querySelectorAll('[data-mode-button]'))
+      button.addEventListener('click', () => this.setMode(button.dataset.modeButton));
+    byId('opacity').addEventListener('input', event =>
+      this.#edit(() => model.setAppearance(this.index, {opacity: Number(event.target.value) / 100}, camera())));
+    byId('color').addEventListener('input', event =>
+      this.#edit(() => model.setAppearance(this.index, {color: event.target.value}, camera())));
+    byId('isolate').addEventListener('click', () => this.isolate());
+    this.update();
+  }
+
+  #edit(edit) {
+    if (this.index === null) return;
+    edit();
+    this.#changed();
+  }
+
+  setMode(mode) {
+    this.#edit(() => this.#model.setMode(this.index, mode, this.#camera()));
+  }
+
+  isolate() {
+    this.#edit(() => this.#model.isolate(this.index, this.#camera()));
+  }
+
+  /** Shows or hides a structure. */
+  toggle(index) {
+    this.#model.setMode(index, this.#model.mode(index) === 'off' ? 'surface' : 'off', this.#camera());
+    this.#changed();
+  }
+
+  choose(index) {
+    this.index = index;
+    this.update();
+  }
+
+  update() {
+    const box = byId('inspector');
+    box.hidden = this.index === null;
+    if (this.index === null) return;
+    const path = this.#model.path(this.index);
+    byId('chosen-name').replaceChildren(nameElement(path.at(-1)));
+    byId('chosen-path').replaceChildren(nameElement(path.slice(0, -1).join(' › ')));
+    const mode = this.#model.mode(this.index);
+    for (const button of document.querySelectorAll('[data-mode-button]'))
+      button.setAttribute('aria-pressed', String(button.dataset.modeButton === mode));
+    const {opacity, color} = this.#model.appearance(this.index);
+    const isOff = mode === 'off';
+    byId('opacity').disabled = byId('color').disabled = isOff;
+    byId('opacity').value = String(Math.round(100 * (opacity ?? 1)));
+    byId('opacity-text').textContent = isOff ? '' : `${byId('opacity').value} %`;
+    byId('color').value = color;
+  }
+}
+
+/** The strip of scenes with the caption. Calls the handler show(n). */
+class Scenes {
+  #scenes;
+  #show;
+  #buttons;
+  #current = null;
+
+  constructor(scenes, show) {
+    this.#scenes = scenes;
+    this.#show = show;
+    byId('scenes').hidden = scenes.length === 0;
+    this.#buttons = scenes.map((scene, n) => {
+      const button = element('button', {}, element('span', {class: 'number', 'aria-hidden': 'true'}, String(n + 1)),
+        nameElement(scene.name));
+      button.addEventListener('click', () => show(n));
+      return button;
+    });
+    byId('strip').replaceChildren(...this.#buttons.map(button => element('li', {}, button)));
+    byId('previous').addEventListener('click', () => this.step(-1));
+    byId('next').addEventListener('click', () => this.step(1));
+  }
+
+  /** Shows the scene after (1) or before (-1) the present one. */
+  step(by) {
+    const count = this.#scenes.length;
+    if (count === 0) return;
+    this.#show(this.#current === null ? 0 : (this.#current + by + count) % count);
+  }
+
+  /** Marks a scene as the present one; null: none. */
+  mark(n) {
+    this.#current = n;
+    this.#buttons.forEach((button, each) => {
+      if (each === n) button.setAttribute('aria-current', 'step');
+      else button.removeAttribute('aria-current');
+    });
+    byId('caption').replaceChildren(nameElement(n === null ? '' : this.#scenes[n].caption));
+    byId('place').textContent = n === null ? `${this.#scenes.length} scenes` : `${n + 1} of ${this.#scenes.length}`;
+    const strip = byId('strip');
+    if (n === null) return;
+    const button = this.#buttons[n];
+    strip.scrollTo({left: button.offsetLeft - strip.offsetLeft - (strip.clientWidth - button.offsetWidth) / 2});
+  }
+}
+
+/** A slider for each axis. Calls the handler changed() after it has changed the model. */
+class Cuts {
+  #model;
+  #rows;
+
+  constructor(model, camera, changed) {
+    this.#model = model;
+    const {center_lps_mm: center, radius_mm: radius} = model.info.display;
+    const axes = [['Left and right', 'left', 'right'], ['Front and back', 'posterior', 'anterior'],
+      ['Top and bottom', 'superior', 'inferior']];
+    this.#rows = axes.map(([name, high, low], axis) => {
+      const [first, last] = [Math.floor(center[axis] - radius), Math.ceil(center[axis] + radius)];
+      const slider = element('input',
+        {type: 'range', min: first, max: last, step: 0.5, 'aria-label': `Cut, ${name}`});
+      const side = element('select', {'aria-label': `Side to remove, ${name}`},
+        element('option', {value: ''}, 'no cut'), element('option', {value: 'high'}, `remove ${high}`),
+        element('option', {value: 'low'}, `remove ${low}`));
+      const text = element('output', {});
+      const read = gesture => {
+        const cut = side.value === '' ? null : {offset: Number(slider.value), isFlipped: side.value === 'low'};
+        model.change({cuts: model.state.cuts.map((old, n) => (n === axis ? cut : old))}, camera(), gesture);
+        changed();
+      };
+      slider.value = String(center[axis]);
+      slider.addEventListener('input', () => {
+        if (side.value === '') side.value = 'high';
+        read(`cut ${axis}`);
+      });
+      side.addEventListener('change', () => read(null));
+      byId('cuts').append(
+        element('div', {class: 'cut'}, element('span', {class: 'cut-name'}, name), side, slider, text));
+      return {slider, side, text};
+    });
+    byId('no-cuts').addEventListener('click', () => {
+      model.change({cuts: [null, null, null]}, camera());
+      changed();
+    });
+  }
+
+  update() {
+    this.#rows.forEach(({slider, side, text}, axis) => {
+      const cut = this.#model.state.cuts[axis];
+      side.value = cut === null ? '' : cut.isFlipped ? 'low' : 'high';
+      if (cut !== null) slider.value = String(cut.offset);
+      text.textContent = cut === null ? '' : `${Number(slider.value)} mm`;
+    });
+  }
+}
+
+/** Tabs of the panel, with the keys of a tab list. */
+function startTabs() {
+  const tabs = [...document.querySelectorAll('[role=tab]')];
+  const choose = chosen => {
+    for (const tab of tabs) {
+      tab.setAttribute('aria-selected', String(tab === chosen));
+      tab.tabIndex = tab === chosen ? 0 : -1;
+      byId(tab.getAttribute('aria-controls')).hidden = tab !== chosen;
+    }
+  };
+  tabs.forEach((tab, n) => {
+    tab.addEventListener('click', () => choose(tab));
+    tab.addEventListener('keydown', event => {
+      const step = {ArrowRight: 1, ArrowLeft: -1}[event.key];
+      if (!step) return;
+      const next = tabs[(n + step + tabs.length) % tabs.length];
+      choose(next);
+      next.focus();
+      event.stopPropagation();
+    });
+  });
+}

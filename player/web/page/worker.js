@@ -1,0 +1,125 @@
+// A worker of the page: draws and picks with the module. Follows splatlas.js in one script.
+//
+// From the page:  {type: 'start', module, atlas}, then {type: 'draw', ...} and {type: 'pick', ...}; see engine.js.
+// To the page:    'ready', 'picture', 'picked', 'error' (the worker goes on) and 'fatal' (it does not).
+'use strict';
+
+(() => {
+const kMinScale = 0.25;
+const kScaleStep = 1 / 16;
+const kMaxGrowth = 1.25;
+
+let splatlas = null;
+let selected = null;   // text of the module's selection
+let scale = 1;         // size of drafts, relative to the size asked for
+let latest = null;     // {serial, width, height} of the latest picture
+let drawRequest = null;
+let pickRequest = null;
+let isAwake = false;
+
+// A message to oneself, behind all messages that wait: only the newest request is drawn.
+const channel = new MessageChannel();
+channel.port1.onmessage = work;
+
+self.onmessage = ({data}) => {
+  if (data.type === 'start') return start(data);
+  if (data.type === 'draw') drawRequest = data;
+  if (data.type === 'pick') pickRequest = data;
+  wake();
+};
+
+function wake() {
+  if (isAwake || splatlas === null) return;
+  isAwake = true;
+  channel.port2.postMessage(null);
+}
+
+async function start({module, atlas}) {
+  try {
+    splatlas = await Splatlas.load(module);
+    splatlas.open(atlas);
+    self.postMessage({type: 'ready', info: splatlas.info()});
+    wake();
+  } catch (error) {
+    fail(error, 0, true);
+  }
+}
+
+function work() {
+  isAwake = false;
+  const [draw, pick] = [drawRequest, pickRequest];
+  drawRequest = pickRequest = null;
+  if (draw) attempt(drawPicture, draw);
+  if (pick) attempt(answerPick, pick);
+}
+
+/** Calls task(request). Tells the page about errors; after a trap this worker is of no use. */
+function attempt(task, request) {
+  try {
+    task(request);
+  } catch (error) {
+    fail(error, request.serial, !(error instanceof Splatlas.Error));
+  }
+}
+
+function fail(error, serial, isFatal) {
+  self.postMessage({type: isFatal ? 'fatal' : 'error', serial, message: String(error.message ?? error)});
+}
+
+function drawPicture(request) {
+  const isNew = request.select !== selected;
+  const warnings = isNew ? select(request.select) : [];
+  const begin = performance.now();
+  const shrink = request.quality === 'draft' ? scale : 1;
+  const picture = renderWithinMemory(request, shrink);
+  if (request.quality === 'draft' && !isNew) adapt(performance.now() - begin, request.budget);
+  self.postMessage({
+    type: 'picture', serial: request.serial, quality: request.quality, camera: splatlas.camera, warnings,
+    drawn: isNew ? splatlas.drawn() : null, isFitted: Boolean(request.fit), ...picture,
+  }, [picture.data.buffer]);
+}
+
+function select(text) {
+  selected = null;
+  const warnings = splatlas.select(text);
+  selected = text;
+  return warnings;
+}
+
+/** Many translucent surfaces may take more than the module's memory: then a draft of full size. */
+function renderWithinMemory(request, shrink) {
+  try {
+    return render(request, shrink);
+  } catch (error) {
+    if (error.code !== 'limit' || request.quality === 'draft') throw error;
+    return render({...request, quality: 'draft', budget: 0}, 1);
+  }
+}
+
+function render({serial, cuts, depthCue, budget, camera, size, fit, quality}, shrink) {
+  latest = null;
+  splatlas.cut(cuts);
+  splatlas.options({depthCue: depthCue && quality !== 'draft', draftBudget: budget});
+  splatlas.camera = camera;
+  if (fit) splatlas.view({zoom: splatlas.fit(...size, fit.structure).zoom * fit.zoom});
+  const [width, height] = size.map(side => Math.max(1, Math.round(side * shrink)));
+  const picture = splatlas.render(width, height, quality);
+  latest = {serial, width, height};
+  return picture;
+}
+
+/** Chooses the size of the next draft by the time of the latest. */
+function adapt(ms, budget) {
+  const wanted = Math.min(scale * Math.sqrt(budget / ms), scale * kMaxGrowth, 1);
+  scale = Math.max(kMinScale, Math.round(wanted / kScaleStep) * kScaleStep);
+}
+
+/** Picks in the page's newest state. The latest picture is of another one only after an error. */
+function answerPick({serial, state, u, v}) {
+  if (latest?.serial !== serial) {
+    if (state.select !== selected) select(state.select);
+    render({...state, serial, fit: null, budget: 0, quality: 'draft'}, 1);
+  }
+  self.postMessage({type: 'picked', serial, picked: splatlas.pick(u * latest.width, v * latest.height)});
+}
+})();

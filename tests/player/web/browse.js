@@ -1,0 +1,258 @@
+// node browse.js PAGE FOLDER NAME: drives a page of `splatlas-player export --html` in Chromium, from file://.
+//
+// Loads it, drags, searches for NAME, chooses, picks, cuts, undoes, and steps through the scenes, at the sizes of a
+// desk and of a phone. Console messages, requests and dialogs are failures. Writes screenshots into FOLDER.
+// The page must have scenes. Installs puppeteer-core in FOLDER. SPLATLAS_BROWSER may name another Chromium, or Firefox.
+// Exit status 77: puppeteer-core or the browser is missing.
+'use strict';
+const assert = require('node:assert');
+const {execFileSync} = require('node:child_process');
+const fs = require('node:fs');
+const path = require('node:path');
+const {createRequire} = require('node:module');
+const {pathToFileURL} = require('node:url');
+
+const kBrowser = process.env.SPLATLAS_BROWSER ?? '/usr/bin/chromium';
+const kIsFirefox = kBrowser.includes('firefox');
+const kDesk = {width: 1280, height: 800};
+const kPhone = {width: 390, height: 844, ...(kIsFirefox ? {} : {isMobile: true, hasTouch: true})};
+const kPatience = 60000;  // ms
+
+const kDragMoves = 60;
+const kFrameMs = 30;
+const kMinDraftRate = 3;  // a second; slow machines run other tests meanwhile
+
+const kPuppeteer = 'puppeteer-core@24';
+
+const [file, folder, name] = process.argv.slice(2);
+
+/** The library that drives browsers; null where it cannot be installed. */
+function puppeteer() {
+  const load = createRequire(path.resolve(folder, 'package.json'));
+  try {
+    if (!fs.existsSync(path.join(folder, 'node_modules', 'puppeteer-core'))) {
+      fs.writeFileSync(path.join(folder, 'package.json'), '{}');
+      execFileSync('npm', ['install', '--no-audit', '--no-fund', kPuppeteer], {cwd: folder, stdio: 'ignore'});
+    }
+    return load('puppeteer-core');
+  } catch {
+    return null;
+  }
+}
+
+const textOfCanvas = () => document.getElementById('canvas').toDataURL();
+
+class Visit {
+  constructor(page, viewport) {
+    this.page = page;
+    this.viewport = viewport;
+    this.messages = [];
+    page.on('console', message => this.messages.push(message.text()));
+    page.on('pageerror', error => this.messages.push(String(error)));
+    page.on('dialog', dialog => {
+      this.messages.push(`dialog: ${dialog.message()}`);
+      dialog.dismiss();
+    });
+    page.on('request', request => {
+      if (!/^(file|data|blob):/.test(request.url())) this.messages.push(`request: ${request.url()}`);
+    });
+  }
+
+  async open(url) {
+    await this.page.setViewport(this.viewport);
+    await this.page.goto(url, {waitUntil: 'load'});
+    await this.refined();
+  }
+
+  /** Waits for the finished picture of the present state. */
+  async refined() {
+    await this.page.waitForFunction(() => document.body.dataset.quality === 'normal', {timeout: kPatience});
+  }
+
+  /** Acts, waits for the finished picture, and requires that it is another one. */
+  async changes(what, act) {
+    const before = await this.page.evaluate(textOfCanvas);
+    await this.page.evaluate(() => { document.body.dataset.quality = ''; });
+    await act();
+    await this.refined();
+    assert(await this.page.evaluate(textOfCanvas) !== before, `${what}: the picture is the same`);
+  }
+
+  async text(selector) {
+    return this.page.$eval(selector, each => each.textContent);
+  }
+
+  async picture(name) {
+    await this.page.screenshot({path: path.join(folder, `${name}.png`)});
+  }
+
+  async hasNoOverflow() {
+    const [width, room] = await this.page.evaluate(
+      () => [document.documentElement.scrollWidth, document.documentElement.clientWidth]);
+    assert(width <= room, `the page is ${width - room} pixels wider than the window`);
+  }
+}
+
+/** Middle of the picture. */
+async function middleOf(visit) {
+  const box = await (await visit.page.$('#canvas')).boundingBox();
+  return [box.x + box.width / 2, box.y + box.height / 2];
+}
+
+/** Turns the picture. Requires drafts while it turns. */
+async function drag(visit) {
+  const {mouse} = visit.page;
+  await visit.page.evaluate(() => {
+    const put = CanvasRenderingContext2D.prototype.putImageData;
+    window.drafts = 0;
+    CanvasRenderingContext2D.prototype.putImageData = function count(...picture) {
+      ++window.drafts;
+      put.apply(this, picture);
+    };
+  });
+  const begin = performance.now();
+  const [x, y] = await middleOf(visit);
+  await mouse.move(x, y);
+  await mouse.down();
+  for (let n = 1; n <= kDragMoves; ++n) {
+    await mouse.move(x + 200 * n / kDragMoves, y + 40 * n / kDragMoves);
+    await new Promise(resolve => setTimeout(resolve, kFrameMs));
+  }
+  const seconds = (performance.now() - begin) / 1000;
+  const rate = await visit.page.evaluate(() => window.drafts) / seconds;
+  await mouse.up();
+  console.log(`${rate.toFixed(1)} drafts a second in a drag`);
+  assert(rate > kMinDraftRate);
+}
+
+async function search(visit) {
+  const {page} = visit;
+  const isNamed = text => text.toLowerCase().includes(name.toLowerCase());
+  await page.click('#search');
+  await page.type('#search', name);
+  const rows = await page.$$eval('#tree .label > bdi', names => names.map(each => each.textContent));
+  assert(rows.length > 0 && rows.every(isNamed), `found: ${rows}`);
+  await visit.picture('search');
+  await page.click('#tree [role=treeitem]');
+  assert(isNamed(await visit.text('#chosen-name')));
+}
+
+/** Shows the found structure alone, changes it, and picks it. */
+async function edit(visit) {
+  const {page} = visit;
+  await visit.changes('isolate', () => page.click('#isolate'));
+  await visit.changes('fit', () => page.keyboard.press('f'));
+  const [x, y] = await middleOf(visit);
+  await page.mouse.click(x, y);
+  await page.waitForSelector('#picked strong', {timeout: kPatience});
+  assert.strictEqual(await visit.text('#picked strong'), await visit.text('#chosen-name'));
+  assert.strictEqual(await page.$eval('#search', input => input.value), '');
+  await visit.picture('desk_pick');
+  await visit.changes('volume', () => page.click('[data-mode-button=volume]'));
+  await visit.changes('colour', () => page.$eval('#color', input => {
+    input.value = '#20c040';
+    input.dispatchEvent(new Event('input'));
+  }));
+  await visit.changes('undo', () => page.click('#undo'));
+  await visit.changes('undo', () => page.keyboard.press('u'));
+  await visit.changes('undo', () => page.keyboard.press('u'));
+  await visit.changes('fit', () => page.keyboard.press('f'));
+}
+
+/** The colours, text sizes and tabs of the panel. */
+async function display(visit) {
+  const {page} = visit;
+  await page.click('#tab-display');
+  await page.select('#theme', 'dark');
+  await visit.picture('desk_dark');
+  await page.select('#theme', 'contrast');
+  await visit.changes('text size', () => page.select('#text-size', '1.25'));
+  await visit.picture('desk_contrast');
+  await page.select('#theme', 'light');
+  await visit.changes('text size', () => page.select('#text-size', '1'));
+  await page.click('#tab-about');
+  await visit.picture('desk_about');
+  await visit.hasNoOverflow();
+  await page.pdf({path: path.join(folder, 'print.pdf'), format: 'A4', printBackground: true});
+}
+
+async function onDesk(visit, url) {
+  const {page} = visit;
+  await visit.open(url);
+  await visit.picture('desk');
+  assert.strictEqual(await page.evaluate(() => crossOriginIsolated), false);
+  await visit.changes('scene', () => page.keyboard.press('n'));
+  assert.match(await visit.text('#place'), /^2 of/);
+  await visit.picture('desk_scene');
+  await visit.changes('drag', () => drag(visit));
+  await visit.changes('wheel', () => page.mouse.wheel({deltaY: -200}));
+  await search(visit);
+  await edit(visit);
+  await page.click('#tab-cutting');
+  await visit.changes('cut', () => page.select('#cuts select', 'high'));
+  await visit.picture('desk_cut');
+  await display(visit);
+  return page.url();
+}
+
+async function onPhone(visit, url) {
+  await visit.open(url);
+  await visit.picture('phone');
+  await visit.hasNoOverflow();
+  await visit.changes('scene', () => visit.page.tap('#next'));
+  await visit.picture('phone_scene');
+  await visit.changes('view', () => visit.page.tap('#views button:nth-child(5)'));
+  await visit.page.tap('#tab-cutting');
+  await visit.picture('phone_cuts');
+}
+
+/** Opens a link of the page: the same state. */
+async function byLink(visit, link) {
+  await visit.open(link);
+  assert.strictEqual(visit.page.url(), link);
+  await visit.open(`${link.split('#')[0]}#select=no+such+thing&view=1,2,x`);
+  assert.notStrictEqual(await visit.text('#message'), '');
+}
+
+/** A page whose atlas is cut short tells so, and keeps its opening picture. */
+async function onDamage(visit) {
+  const html = fs.readFileSync(file, 'utf8');
+  const begin = html.indexOf('id="atlas">') + 'id="atlas">'.length;
+  const half = 4 * Math.floor((html.indexOf('</script>', begin) - begin) / 8);
+  const damaged = path.resolve(folder, 'damaged.html');
+  fs.writeFileSync(damaged, html.slice(0, begin + half) + html.slice(html.indexOf('</script>', begin)));
+  await visit.page.setViewport(visit.viewport);
+  await visit.page.goto(pathToFileURL(damaged).href);
+  await visit.page.waitForFunction(() => document.body.dataset.stopped === 'true', {timeout: kPatience});
+  assert.match(await visit.text('#message'), /atlas/);
+  assert.strictEqual(await visit.page.$eval('#opening-picture', image => image.hidden), false);
+  await visit.picture('damaged');
+}
+
+async function main() {
+  const library = puppeteer();
+  if (!library || !fs.existsSync(kBrowser)) return 77;
+  const browser = await library.launch(kIsFirefox ? {browser: 'firefox', executablePath: kBrowser} :
+    {executablePath: kBrowser, args: ['--no-sandbox', '--no-first-run']});
+  try {
+    const url = pathToFileURL(path.resolve(file)).href;
+    let link = '';
+    for (const [viewport, run] of [[kDesk, async (visit, at) => { link = await onDesk(visit, at); }],
+      [kPhone, onPhone], [kDesk, visit => byLink(visit, link)], [kDesk, onDamage]]) {
+      const visit = new Visit(await (await browser.createBrowserContext()).newPage(), viewport);
+      await run(visit, url);
+      assert.deepStrictEqual(visit.messages, []);
+      await visit.page.close();
+    }
+  } finally {
+    await browser.close();
+  }
+  return 0;
+}
+
+main().then(
+  status => process.exit(status),
+  error => {
+    console.error(error);
+    process.exit(1);
+  });
