@@ -18,8 +18,7 @@ check() {
   fi
 }
 
-check product 58900 format preprocess player schemas
-check product 59450 format preprocess player schemas
+check product 59520 format preprocess player schemas
 check tests 48560 tests
 check bench 8340 bench
 exit "$bad"

@@ -75,15 +75,29 @@ make_contact_sheet() {
   fi
 }
 
+make_page() {
+  local page=out/colin27.html
+  if [[ ! -e build/web/splatlas.wasm ]]; then
+    echo "No page without the web module"
+  elif up_to_date $page out/colin27.atlas "$programs/splatlas-player"; then
+    echo "$page is up to date"
+  else
+    "$programs/splatlas-player" export out/colin27.atlas --html $page
+  fi
+}
+
 mkdir -p out
 step "Packages" scripts/install_packages.sh
+step "Web module" build_web_module
 step "Programs" build_programs
 step "Atlas of the phantom" make_phantom_atlas
 step "Atlas of the Colin 27 brain" make_colin27_atlas
 step "Gallery" for_each_picture render_picture
 step "Contact sheet" make_contact_sheet
+step "Page" make_page
 
 tell_times
 echo
 echo "The gallery is out/gallery.png. Look around with: $programs/splatlas-player out/colin27.atlas"
 echo "The atlas holds a lesson of twelve scenes: Page down shows the next one."
+echo "out/colin27.html plays it in a browser."

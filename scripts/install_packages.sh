@@ -74,6 +74,9 @@ packages_beside_player=(
   xdotool                  # tests: mouse and keys
   xvfb                     # tests: a display without a screen
 
+  dpkg-dev                 # player in a page: sources of Debian
+  emscripten               # player in a page: C++ library, compiler, linker and Node for WebAssembly
+
   gnuplot-nox              # bench: plots
   libbenchmark-dev         # bench
   libdraco-dev             # bench: Draco, a peer of stored surfaces

@@ -46,6 +46,18 @@ up_to_date() {
   done
 }
 
+# The player's module for pages, which the release build embeds. Where Debian's sources are out of reach, programs are
+# built without it.
+build_web_module() {
+  local sources=build/web/third_party
+  if [[ -d $sources/meshoptimizer/src ]] || scripts/fetch_web_sources.sh "$sources"; then
+    configure web
+    cmake --build --preset web
+  else
+    printf 'No web module: its sources could not be fetched\n'
+  fi
+}
+
 # configure PRESET: only without build files. Ninja detects later changes itself.
 configure() {
   [[ -e build/$1/build.ninja ]] || cmake --preset "$1" --log-level=NOTICE --no-warn-unused-cli >/dev/null

@@ -9,7 +9,7 @@ help() {
 Usage: scripts/test.sh [--quick | --all | --help]
 
   (no option)  The checks of CI, in about half an hour from nothing on two cores: layers, layout and size of the
-               sources; release build and tests; clang-tidy over recent changes; player without ITK and VTK,
+               sources; web module; release build and tests; clang-tidy over recent changes; player without ITK and VTK,
                installed and used; address and undefined behaviour sanitizers; thread sanitizer for tests with threads;
                15 seconds of each fuzz target.
   --quick      For daily work, within five minutes of a recent build: layers, layout, size, release build and tests,
@@ -82,6 +82,7 @@ step "Packages" scripts/install_packages.sh
 step "Layers of the sources" scripts/check_layers.sh
 step "Layout of the sources" scripts/check_format.sh
 step "Size of the sources" scripts/check_size.sh
+step "Web module: build" build_web_module
 step "Release: build" build release
 step "Release: tests" run_tests release
 

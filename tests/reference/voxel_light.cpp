@@ -73,10 +73,16 @@ class Lighter {
   }
 
  private:
+  /// The octahedral map with each component rounded by itself.
   static PackedNormal packed(const Vec3& n) {
-    const double length = std::sqrt(dot(n, n));
-    return pack_normal({static_cast<float>(n[0] / length), static_cast<float>(n[1] / length),
-                        static_cast<float>(n[2] / length)});
+    const double sum = std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]);
+    std::array<double, 2> p{n[0] / sum, n[1] / sum};
+    if (n[2] < 0) {
+      p = {(1 - std::abs(n[1] / sum)) * (n[0] < 0 ? -1 : 1),
+           (1 - std::abs(n[0] / sum)) * (n[1] < 0 ? -1 : 1)};
+    }
+    const auto code = [](double x) { return static_cast<std::uint8_t>(std::lround(127 * x)); };
+    return static_cast<PackedNormal>(code(p[0]) | code(p[1]) << 8);
   }
   [[nodiscard]] std::size_t number(const Index3& v) const {
     return static_cast<std::size_t>(grid_.offset(v[0], v[1], v[2]));

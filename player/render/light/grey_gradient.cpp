@@ -31,26 +31,33 @@ GreyGradient::GreyGradient(const SelectedRuns& runs, const ClassCache& cache, co
 }
 
 void GreyGradient::fill(std::int64_t slice, Plane& plane) const {
-  // Clear the rows of the slice before
+  // Clear the slice before
+  for (std::size_t row = 0; row + 1 < plane.first_segment.size(); ++row) {
+    for (std::size_t n = plane.first_segment[row]; n < plane.first_segment[row + 1]; ++n) {
+      const auto [begin, end] = plane.segments[n];
+      for (std::vector<float>* floats : {&plane.values, &plane.selected})
+        std::fill_n(floats->data() + static_cast<std::int64_t>(row) * width_ + begin, end - begin, 0.0f);
+    }
+  }
   plane.slice = slice;
-  plane.rows.resize(static_cast<std::size_t>(height_));
+  plane.segments.clear();
+  plane.first_segment.assign(1, 0);
   plane.values.resize(static_cast<std::size_t>(width_ * height_));
   plane.selected.resize(plane.values.size());
-  for (std::int64_t row = 0; row < height_; ++row) {
-    Plane::Extent& extent = plane.rows[static_cast<std::size_t>(row)];
-    for (std::vector<float>* floats : {&plane.values, &plane.selected}) {
-      float* const floats_of_row = floats->data() + row * width_;
-      if (extent.begin < extent.end)
-        std::fill(floats_of_row + extent.begin, floats_of_row + extent.end, 0.0f);
-    }
-    extent = {width_, 0};
-  }
+
+  constexpr std::int64_t kSmallGap = 16;
+  const auto begin_row = [&](std::int64_t row) {
+    plane.first_segment.resize(static_cast<std::size_t>(row) + 1, plane.segments.size());
+  };
   visit_voxel_type(cache_.value_type(), [&](auto tag) {
     using T = decltype(tag);
     runs_.for_each(slice, [&](const ClassRun& run, std::uint32_t) {
       const std::int64_t row = run.row - row_first_ + 1, begin = run.start - scan_first_ + 1;
-      Plane::Extent& extent = plane.rows[static_cast<std::size_t>(row)];
-      extent = {std::min(extent.begin, begin), std::max(extent.end, begin + run.length)};
+      begin_row(row);
+      if (plane.first_segment.back() == plane.segments.size() ||
+          begin > plane.segments.back().end + kSmallGap)
+        plane.segments.push_back({begin, begin});
+      plane.segments.back().end = begin + run.length;
       float* const values = plane.values.data() + row * width_ + begin;
       float* const selected = plane.selected.data() + row * width_ + begin;
       const std::byte* from = cache_.values() + sizeof(T) * (static_cast<std::size_t>(slice) * step_[2] +
@@ -65,6 +72,7 @@ void GreyGradient::fill(std::int64_t slice, Plane& plane) const {
       }
     });
   });
+  begin_row(height_);
 }
 
 void GreyGradient::set_slice(std::int64_t slice) {
@@ -126,9 +134,15 @@ void GreyGradient::finish(std::size_t axis, const std::array<float, 3>& weights)
 void GreyGradient::set_row(std::int64_t slice, std::int64_t row) {
   if (planes_[1].slice != slice) set_slice(slice);
   row_ = row - row_first_ + 1;
-  begin_ = planes_[1].rows[static_cast<std::size_t>(row_)].begin;
-  end_ = planes_[1].rows[static_cast<std::size_t>(row_)].end;
-  if (begin_ >= end_) return;
+  const std::vector<std::size_t>& first = planes_[1].first_segment;
+  for (std::size_t n = first[static_cast<std::size_t>(row_)]; n < first[static_cast<std::size_t>(row_) + 1];
+       ++n)
+    measure(planes_[1].segments[n]);
+}
+
+void GreyGradient::measure(const Segment& segment) {
+  begin_ = segment.begin;
+  end_ = segment.end;
   for (std::vector<float>* sums : {&lengths_, &squares_})
     std::fill(sums->begin() + begin_ - 1, sums->begin() + end_ - 1, 0.0f);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "player/render/decode/span_blocks.h"
+#include "player/render/transfer/shading.h"
 
 namespace splatlas {
 namespace {
@@ -33,42 +34,71 @@ VoxelLighter::VoxelLighter(const SelectedRuns& runs, const ClassCache& cache, co
   lit_.resize(normals_.size());
 }
 
-std::array<float, 3> VoxelLighter::gradient_lps(std::int64_t scan) const {
-  const std::array<float, 3> gradient = grey_->gradient(scan);
-  std::array<float, 3> lps{};
-  for (std::size_t a = 0; a < 3; ++a) {
-    for (std::size_t b = 0; b < 3; ++b) lps[b] += gradient[a] * to_lps_[a][b];
+/// Loops over a block without branches become vector instructions.
+struct VoxelLighter::Block {
+  static constexpr std::size_t kSize = 64;
+  using Lanes = std::array<float, kSize>;
+  std::size_t count = 0;
+  std::array<Lanes, 3> direction;  // of the gradient, then of the normal; of any length
+  Lanes coherence, reach, lit;
+  const float* greys = nullptr;
+};
+
+void VoxelLighter::load(std::int64_t first, std::size_t count, Block& block) const {
+  constexpr float kNoise = 0.3f, kRamp = 0.6f;
+  const float* const along = grey_->gradient(0, first);
+  const float* const across = grey_->gradient(1, first);
+  const float* const through = grey_->gradient(2, first);
+  const float* const lengths = grey_->lengths_squared(first);
+  const float* const squares = grey_->mean_squares(first);
+  block.count = count;
+  block.greys = grey_->greys(first);
+  for (std::size_t n = 0; n < count; ++n) {
+    for (std::size_t b = 0; b < 3; ++b)
+      block.direction[b][n] =
+          along[n] * to_lps_[0][b] + across[n] * to_lps_[1][b] + through[n] * to_lps_[2][b];
   }
-  return lps;
+  for (std::size_t n = 0; n < count; ++n) {
+    block.coherence[n] = ramp(lengths[n] / std::max(squares[n], 1e-30f), kNoise, kRamp);
+    block.reach[n] = reach_mm_ * std::sqrt(lengths[n]);
+  }
 }
 
 /// Where grey values change across the label's border, they tell its direction more finely.
-void VoxelLighter::light_boundary(std::int64_t scan, float coherence, std::size_t n) {
+void VoxelLighter::light_boundary(const PackedNormal* labels, std::size_t stride, Block& block) {
   constexpr float kAcross = 0.3f, kAlong = 0.8f;
-  const std::array<float, 3> grey = gradient_lps(scan), label = unpack_normal(normals_[n]);
-  const float length = std::sqrt(grey[0] * grey[0] + grey[1] * grey[1] + grey[2] * grey[2]);
-  const float cosine = (grey[0] * label[0] + grey[1] * label[1] + grey[2] * label[2]) / length;
-  const float share = coherence * ramp(std::abs(cosine), kAcross, kAlong);
-  if (!(share > 0)) return;
-  const float of_grey = std::copysign(share, cosine) / length, of_label = 1 - share;
-  normals_[n] = pack_normal({of_grey * grey[0] + of_label * label[0], of_grey * grey[1] + of_label * label[1],
-                             of_grey * grey[2] + of_label * label[2]});
+  const UnpackedNormals& unpacked = unpacked_normals();
+  for (std::size_t n = 0; n < block.count; ++n) {
+    const PackedNormal packed = labels[n * stride];
+    const std::array<float, 3> label{unpacked.x[packed], unpacked.y[packed], unpacked.z[packed]};
+    const float x = block.direction[0][n], y = block.direction[1][n], z = block.direction[2][n];
+    const float per_length = 1 / std::sqrt(std::max(x * x + y * y + z * z, 1e-30f));
+    const float cosine = (x * label[0] + y * label[1] + z * label[2]) * per_length;
+    const float share = block.coherence[n] * ramp(std::abs(cosine), kAcross, kAlong);
+    const float of_grey = (cosine < 0 ? -share : share) * per_length;
+    const bool agree = share > 0;  // false for overflows
+    for (std::size_t a = 0; a < 3; ++a) {
+      float& component = block.direction[a][n];
+      component = agree ? of_grey * component + (1 - share) * label[a] : label[a];
+    }
+    block.lit[n] = 1;
+  }
 }
 
 /// Inside, grey values define what is seen where the extinction changes with them.
-void VoxelLighter::light_interior(const TransferTable& transfer, std::int64_t scan, float coherence,
-                                  std::size_t n) {
+void VoxelLighter::light_interior(const TransferTable& transfer, Block& block) {
   constexpr float kFlat = 0.05f, kSteep = 0.25f;
-  const float grey = grey_->grey(scan), reach = reach_mm_ * std::sqrt(grey_->length_squared(scan));
-  const float below = transfer.extinction_near(grey - reach), above = transfer.extinction_near(grey + reach);
-  const float densest = std::max(below, above);
-  if (!(densest > 0)) return;
-  const float lit = coherence * ramp(std::abs(above - below) / densest, kFlat, kSteep);
-  lit_[n] = static_cast<std::uint16_t>(lit * float{ShadedVoxel::kAllLit} + 0.5f);
-  if (lit_[n] == 0) return;
-  const std::array<float, 3> lps = gradient_lps(scan);
-  const float sign = above > below ? -1.0f : 1.0f;  // towards lower extinctions
-  normals_[n] = pack_normal({sign * lps[0], sign * lps[1], sign * lps[2]});
+  for (std::size_t n = 0; n < block.count; ++n) {
+    block.lit[n] = 0;
+    if (!(block.coherence[n] > 0)) continue;
+    const float below = transfer.extinction_near(block.greys[n] - block.reach[n]);
+    const float above = transfer.extinction_near(block.greys[n] + block.reach[n]);
+    const float densest = std::max(below, above);
+    if (!(densest > 0)) continue;
+    block.lit[n] = block.coherence[n] * ramp(std::abs(above - below) / densest, kFlat, kSteep);
+    const float sign = above > below ? -1.0f : 1.0f;  // towards lower extinctions
+    for (Block::Lanes& component : block.direction) component[n] *= sign;
+  }
 }
 
 VoxelLight VoxelLighter::light(const VolumeAppearance& appearance, bool boundary, std::int64_t slice,
@@ -80,20 +110,20 @@ VoxelLight VoxelLighter::light(const VolumeAppearance& appearance, bool boundary
   if (slice != slice_ || row != row_) grey_->set_row(slice, row);
   slice_ = slice;
   row_ = row;
-  constexpr float kNoise = 0.3f, kRamp = 0.6f;
   const auto begin = static_cast<std::size_t>(first - scan_first_);
-  for (std::uint32_t n = 0; n < count; ++n) {
-    const std::int64_t scan = first + n;
-    const std::size_t at = begin + n;
-    const float coherence = ramp(grey_->length_squared(scan) / grey_->mean_square(scan), kNoise, kRamp);
-    lit_[at] = boundary ? ShadedVoxel::kAllLit : std::uint16_t{0};
-    if (boundary) normals_[at] = label_normals_[voxel + n * step_[0]];
-    if (!(coherence > 0)) continue;
+  Block block;
+  for (std::size_t done = 0; done < count; done += Block::kSize) {
+    load(first + static_cast<std::int64_t>(done), std::min<std::size_t>(Block::kSize, count - done), block);
     if (boundary) {
-      light_boundary(scan, coherence, at);
+      light_boundary(label_normals_ + voxel + done * step_[0], step_[0], block);
     } else {
-      light_interior(*appearance.transfer, scan, coherence, at);
+      light_interior(*appearance.transfer, block);
     }
+    const std::size_t at = begin + done;
+    pack_normals_roughly(block.count, block.direction[0].data(), block.direction[1].data(),
+                         block.direction[2].data(), &normals_[at]);
+    for (std::size_t n = 0; n < block.count; ++n)
+      lit_[at + n] = static_cast<std::uint16_t>(block.lit[n] * float{ShadedVoxel::kAllLit} + 0.5f);
   }
   return {&normals_[begin], 1, &lit_[begin]};
 }

@@ -4,7 +4,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "format/content/unit_vector.h"
@@ -29,15 +33,17 @@ class VoxelLighter {
   VoxelLighter(const SelectedRuns& runs, const ClassCache& cache, const Grid& grid, bool shade);
 
   /// Lights `count` selected voxels of a row of a slice, all at borders or all inside of structures with this
-  /// appearance. Valid until the next row. Cost: about 30 ns per voxel in atlases with grey values; see also
+  /// appearance. Valid until the next row. Cost: about 15 ns per voxel in atlases with grey values; see also
   /// GreyGradient::set_row().
   [[nodiscard]] VoxelLight light(const VolumeAppearance& appearance, bool boundary, std::int64_t slice,
                                  std::int64_t row, std::uint32_t first, std::uint32_t count);
 
  private:
-  [[nodiscard]] std::array<float, 3> gradient_lps(std::int64_t scan) const;
-  void light_boundary(std::int64_t scan, float coherence, std::size_t n);
-  void light_interior(const TransferTable& transfer, std::int64_t scan, float coherence, std::size_t n);
+  /// Gradients of a run's voxels, in LPS, and what they tell.
+  struct Block;
+  static void light_boundary(const PackedNormal* labels, std::size_t stride, Block& block);
+  static void light_interior(const TransferTable& transfer, Block& block);
+  void load(std::int64_t first, std::size_t count, Block& block) const;
 
   const PackedNormal* label_normals_;
   bool shade_;
@@ -48,6 +54,37 @@ class VoxelLighter {
   std::int64_t slice_ = -1, row_ = -1, scan_first_;
   std::vector<PackedNormal> normals_;  // of the current row
   std::vector<std::uint16_t> lit_;
+};
+
+/// Lighters for parallel tasks, which pass on their memory. Arguments as for VoxelLighter.
+class VoxelLighters {
+ public:
+  VoxelLighters(const SelectedRuns& runs, const ClassCache& cache, const Grid& grid, bool shade)
+      : make_([&runs, &cache, &grid, shade] {
+          return std::make_unique<VoxelLighter>(runs, cache, grid, shade);
+        }) {}
+
+  /// Calls use(lighter) with a lighter that no other thread uses. Thread-safe.
+  template <typename Use>
+  void with(const Use& use) {
+    std::unique_ptr<VoxelLighter> lighter;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!free_.empty()) {
+        lighter = std::move(free_.back());
+        free_.pop_back();
+      }
+    }
+    if (!lighter) lighter = make_();
+    use(*lighter);
+    const std::lock_guard lock(mutex_);
+    free_.push_back(std::move(lighter));
+  }
+
+ private:
+  std::function<std::unique_ptr<VoxelLighter>()> make_;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<VoxelLighter>> free_;
 };
 
 }  // namespace splatlas

@@ -357,10 +357,12 @@ class RayVolume::Builder {
   void for_each_lit_slice(const Take& take) const {
     constexpr std::int64_t kAtOnce = 8;
     const std::int64_t slices = volume_.grid_.size[2];
+    VoxelLighters lighters(request_.runs, request_.cache, request_.atlas.grid(), request_.shade);
     pool_.for_each(static_cast<std::size_t>((slices + kAtOnce - 1) / kAtOnce), [&](std::size_t part) {
-      VoxelLighter lighter(request_.runs, request_.cache, request_.atlas.grid(), request_.shade);
       const std::int64_t first = static_cast<std::int64_t>(part) * kAtOnce;
-      for (std::int64_t z = first; z < std::min(first + kAtOnce, slices); ++z) take(z, lighter);
+      lighters.with([&](VoxelLighter& lighter) {
+        for (std::int64_t z = first; z < std::min(first + kAtOnce, slices); ++z) take(z, lighter);
+      });
     });
   }
   [[nodiscard]] VoxelLight light_of(const Piece& piece, std::int64_t z, VoxelLighter& lighter) const {
@@ -391,23 +393,6 @@ Result<RayVolume> RayVolume::build(const RayVolumeRequest& request, ThreadPool& 
   volume.shade_ = request.shade;
   SPLATLAS_RETURN_IF_ERROR(Builder(request, volume, pool).build());
   return volume;
-}
-
-void RayVolume::light(const ParallelView& view, const Lighting& lighting, ThreadPool& pool) {
-  if (shaded_voxels_ == 0 || (lit_for_ && have_same_lighting(*lit_for_, view))) return;
-  lit_for_.reset();
-  const std::vector<float> factors = lighting.table();
-  for (Source& source : sources_) {
-    SparseBytes& bytes = source.transfer ? source.colors : source.values;
-    auto* colors = reinterpret_cast<float*>(bytes.data());
-    pool.for_each(source.shaded.size(), [&](std::size_t slice) {
-      for (const ShadedVoxel& voxel : source.shaded[slice]) {
-        const float factor = lit_factor(factors[voxel.normal], voxel.lit);
-        for (std::size_t c = 0; c < 3; ++c) colors[voxel.place + c] = voxel.color[c] * factor;
-      }
-    });
-  }
-  lit_for_ = view;
 }
 
 }  // namespace splatlas

@@ -208,15 +208,20 @@ void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
   // Build slices in parallel
   const std::uint64_t voxels = request.plan.volume_voxels + request.plan.hybrid_voxels;
   arena_.expect(voxels * (1 + static_cast<std::uint64_t>(model_.emissions)) * sizeof(float));
+  VoxelLighters lighters(runs, request.cache, request.grid, request.shade);
   pool.for_each((to_build.size() + kSlicesAtOnce - 1) / kSlicesAtOnce, [&](std::size_t part) {
     const std::size_t first = part * kSlicesAtOnce;
-    VoxelLighter lighter(runs, request.cache, request.grid, request.shade);
-    for (std::size_t n = first; n < std::min(first + kSlicesAtOnce, to_build.size()); ++n) {
-      SliceSpans& slice = model_.slices[to_build[n]];
-      slice.optics = arena_.lend(max_floats(runs, slice.number));
-      write_slice(request, slice.number, lighter, slice);
-      arena_.settle(slice.optics);
-    }
+    lighters.with([&](VoxelLighter& lighter) {
+      std::size_t shaded = 0;  // of the slice before, which is usually similar
+      for (std::size_t n = first; n < std::min(first + kSlicesAtOnce, to_build.size()); ++n) {
+        SliceSpans& slice = model_.slices[to_build[n]];
+        slice.optics = arena_.lend(max_floats(runs, slice.number));
+        slice.shaded.reserve(shaded + shaded / 8);
+        write_slice(request, slice.number, lighter, slice);
+        shaded = slice.shaded.size();
+        arena_.settle(slice.optics);
+      }
+    });
   });
 
   // Update counters and free unused memory

@@ -96,7 +96,7 @@ TEST(VoxelLight, FollowsARampOfGreyValues) {
     for (std::size_t n = 0; n < light.size(); ++n) {
       if (!inside[n]) continue;
       EXPECT_GT(light[n].lit, 0.3);
-      EXPECT_LT(degrees_between(light[n].normal, {-3, 2, -1}), 0.65);  // the error of packing
+      EXPECT_LT(degrees_between(light[n].normal, {-3, 2, -1}), 0.95);  // the error of packing
     }
   }
 }
@@ -178,7 +178,7 @@ TEST(VoxelLight, IgnoresValuesThatAreNotFinite) {
   const std::vector<reference::LitVoxel> light = light_along(prepared, Axis::kX);
   const auto voxel = light[static_cast<std::size_t>(grid.offset(5, 4, 5))];
   EXPECT_EQ(voxel.lit, 1);
-  EXPECT_LT(degrees_between(voxel.normal, {0, 0, -1}), 0.65);
+  EXPECT_LT(degrees_between(voxel.normal, {0, 0, -1}), 0.01);  // an axis is exact
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ namespace splatlas {
 namespace {
 
 TEST(BuildSpans, HoldsTheLightOfEverySelectedVoxelWithAndWithoutShading) {
-  std::uint64_t compared = 0;
+  std::uint64_t compared = 0, other_codes = 0;
   for (std::uint32_t number = 0; number < 50; ++number) {
     const RandomScene scene = random_scene(number, 20);
     const ParallelView view = *parallel_view(scene.camera, scene.options.size, scene.content.display);
@@ -36,9 +36,11 @@ TEST(BuildSpans, HoldsTheLightOfEverySelectedVoxelWithAndWithoutShading) {
           // The float position and extinction round by 6e-8 each, the end of the window by a few.
           ASSERT_NEAR(voxels[n].extinction, scale, 4e-7 * scale + 1e-38) << "scene " << number;
           for (std::size_t c = 0; c < 3; ++c) {
-            // Lit shares of 16 bits round by 8e-6
-            const double tolerance = shade ? 1e-5 : 2e-6;
-            ASSERT_NEAR(voxels[n].emission[c], field.voxels[n].emission[c], tolerance * scale + 1e-38);
+            const double error = std::abs(voxels[n].emission[c] - field.voxels[n].emission[c]);
+            // Lit shares of 16 bits round by 8e-6; a normal halfway between two codes may take the other one.
+            const double one_code = 0.01;
+            ASSERT_LE(error, (shade ? one_code : 2e-6) * scale + 1e-38) << "scene " << number;
+            if (error > 1e-5 * scale + 1e-38) ++other_codes;
           }
         }
       }
@@ -46,6 +48,7 @@ TEST(BuildSpans, HoldsTheLightOfEverySelectedVoxelWithAndWithoutShading) {
     }
   }
   EXPECT_GT(compared, 20000u);
+  EXPECT_LT(other_codes, compared / 1000);
 }
 
 TEST(BuildSpans, DoesNotDependOnTheNumberOfThreads) {
