@@ -195,7 +195,7 @@ std::string take_input_text() {
 }  // namespace
 }  // namespace splatlas
 
-using namespace splatlas;
+using namespace splatlas;  // NOLINT(google-build-using-namespace): C functions stand in no namespace
 
 std::uint8_t* splatlas_input(std::uint32_t bytes) try {
   player().input.assign(std::size_t{bytes} + 1, std::byte{});  // never null

@@ -24,7 +24,8 @@ VoxelLighter::VoxelLighter(const SelectedRuns& runs, const ClassCache& cache, co
   const Affine to_index = lps_mm_to_index(grid);
   for (std::size_t a = 0; a < 3; ++a) {
     step_[a] = static_cast<std::size_t>(step[axes[a]]);
-    for (std::size_t b = 0; b < 3; ++b) to_lps_[a][b] = static_cast<float>(to_index.linear[3u * axes[a] + b]);
+    for (std::size_t b = 0; b < 3; ++b)
+      to_lps_[a][b] = static_cast<float>(to_index.linear[std::size_t{3} * axes[a] + b]);
   }
   if (!shade || cache.values() == nullptr || runs.count() == 0) return;
   constexpr double kReach = 1.5;  // voxels
