@@ -21,6 +21,7 @@
 #include "format/program/command_options.h"
 #include "format/result_macros.h"
 #include "format/text/json_text.h"
+#include "player/camera_moves.h"
 #include "player/commands/framing.h"
 #include "player/renderer.h"
 #include "player/web/html_page.h"
@@ -48,11 +49,11 @@ constexpr PictureSize kOpeningSize{800, 800};
 /// A page of base64, and the module with the atlas in its memory of 2 GiB, twice.
 constexpr std::uint64_t kMaxAtlasBytes = std::uint64_t{256} << 20;
 
-/// What the module may take for a picture (player/web/web_system.cpp).
+/// Memory limit of the module (default_memory_limit() in player/web/web_system.cpp).
 constexpr std::uint64_t kModuleMemory = std::uint64_t{1} << 30;
 constexpr const char* kEverything = "*";
 
-/// What the page shows first.
+/// The opening picture of a page.
 struct Opening {
   std::string select = kEverything, caption = {};
   Camera camera = {};
@@ -98,7 +99,7 @@ Result<std::vector<std::byte>> draw(const std::shared_ptr<const Atlas>& atlas, O
   SPLATLAS_RETURN_IF_ERROR(renderer.select(*selection));
   const RenderOptions options{.size = kOpeningSize, .depth_cue = DepthCue::kEdges};
   SPLATLAS_ASSIGN_OR_RETURN(opening.camera, renderer.fit(opening.camera, options));
-  opening.camera.zoom = std::clamp(opening.camera.zoom * opening.zoom, kMinZoom, kMaxZoom);
+  opening.camera = zoomed(opening.camera, opening.zoom);
   SPLATLAS_ASSIGN_OR_RETURN(const Frame frame, renderer.render(opening.camera, options));
   return encode_png(frame.picture);
 }
@@ -130,14 +131,7 @@ CLI::App* add_export(CLI::App& app, ExportRequest& request) {
       ->required();
   CLI::Option* select = add_parsed(*command, "--select", request.select, given, "must be a selection text",
                                    "selection of the opening picture: see splatlas-player render --help");
-  add_choice(*command, "--view", request.camera,
-             {{"anterior", Camera::of(NamedView::kAnterior)},
-              {"posterior", Camera::of(NamedView::kPosterior)},
-              {"left", Camera::of(NamedView::kLeft)},
-              {"right", Camera::of(NamedView::kRight)},
-              {"superior", Camera::of(NamedView::kSuperior)},
-              {"inferior", Camera::of(NamedView::kInferior)}},
-             "direction of the opening picture")
+  add_view(*command, request.camera, "direction of the opening picture")
       ->each([&request](const std::string&) { request.names_view = true; });
   add_parsed(*command, "--scene", request.scene, given, "must name a scene", "scene of the opening picture")
       ->excludes(select);

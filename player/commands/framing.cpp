@@ -55,6 +55,17 @@ Result<Vec3> center_of(const std::string& name, const Atlas& atlas) {
 
 }  // namespace
 
+CLI::Option* add_view(CLI::App& command, Camera& camera, const std::string& help) {
+  return add_choice(command, "--view", camera,
+                    {{"anterior", Camera::of(NamedView::kAnterior)},
+                     {"posterior", Camera::of(NamedView::kPosterior)},
+                     {"left", Camera::of(NamedView::kLeft)},
+                     {"right", Camera::of(NamedView::kRight)},
+                     {"superior", Camera::of(NamedView::kSuperior)},
+                     {"inferior", Camera::of(NamedView::kInferior)}},
+                    help);
+}
+
 void add_framing(CLI::App& command, bool& fits_selection, FrameCenter& center) {
   add_choice(command, "--fit", fits_selection, {{"selection", true}, {"grid", false}},
              "content of the picture at zoom 1: the selected voxels and surfaces, or the whole atlas");

@@ -6,15 +6,20 @@
 #include <variant>
 
 #include "format/atlas_reader.h"
+#include "player/camera.h"
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace splatlas {
 
 /// Middle of the picture: that of the fit, a point in LPS mm, or a name of the selection language.
 using FrameCenter = std::variant<std::monostate, Vec3, std::string>;
+
+/// Adds --view, whose directions replace the camera.
+CLI::Option* add_view(CLI::App& command, Camera& camera, const std::string& help = "");
 
 /// Adds the options. Parsing fills `fits_selection` and `center`, which must outlive the command.
 void add_framing(CLI::App& command, bool& fits_selection, FrameCenter& center);

@@ -146,13 +146,7 @@ void add_cuts(CLI::App& command, RenderOptions& options, bool& names_caps) {
 
 /// Adds camera options. CLI11 assigns values in this order, so single settings override --view.
 void add_camera(CLI::App& command, Camera& camera) {
-  add_choice(command, "--view", camera,
-             {{"anterior", Camera::of(NamedView::kAnterior)},
-              {"posterior", Camera::of(NamedView::kPosterior)},
-              {"left", Camera::of(NamedView::kLeft)},
-              {"right", Camera::of(NamedView::kRight)},
-              {"superior", Camera::of(NamedView::kSuperior)},
-              {"inferior", Camera::of(NamedView::kInferior)}});
+  add_view(command, camera);
   constexpr const char* kFiniteAngle = "must be a finite angle in degrees";
   add_parsed(command, "--azimuth", camera.azimuth_deg, parse_angle, kFiniteAngle,
              "degrees around the superior axis: 0 anterior, 90 the subject's left; overrides --view");

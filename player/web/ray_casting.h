@@ -1,4 +1,4 @@
-// Whether a module is linked with ray casting: half of its size, and of the time to compile it.
+// Ray casting is optional in a module: it takes half of the size and of the compile time.
 #pragma once
 
 namespace splatlas {

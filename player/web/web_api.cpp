@@ -13,6 +13,7 @@
 
 #include "format/result_macros.h"
 #include "format/text/json_text.h"
+#include "player/camera_moves.h"
 #include "player/renderer.h"
 #include "player/web/info_json.h"
 #include "player/web/ray_casting.h"
@@ -116,7 +117,7 @@ Result<void> fit(Renderer& renderer, const PictureSize& size, std::optional<Stru
   if (structure) part = renderer.atlas().graph().descendants(*structure);
   const auto of = structure ? std::optional<std::span<const StructureIndex>>(part) : std::nullopt;
   SPLATLAS_ASSIGN_OR_RETURN(camera, renderer.fit(camera, options, of));
-  camera.zoom = std::clamp(camera.zoom * zoom, kMinZoom, kMaxZoom);
+  camera = zoomed(camera, zoom);
   return {};
 }
 

@@ -1,5 +1,5 @@
-// What a page lacks of a system: files, an environment, a process. Replaces sources of the format and
-// functions of the C library, so that the module imports a clock and an exit alone.
+// Replaces files, environment and memory limit of a system, in sources of the format and functions of the C
+// library. The module thus imports only a clock and an exit.
 #include <algorithm>
 #include <utility>
 

@@ -65,7 +65,7 @@ void VoxelLighter::load(std::int64_t first, std::size_t count, Block& block) con
   }
 }
 
-/// Where grey values change across the label's border, they tell its direction more finely.
+/// Replaces the label's normal by the gradient of the grey values as far as both have one direction.
 void VoxelLighter::light_boundary(const PackedNormal* labels, std::size_t stride, Block& block) {
   constexpr float kAcross = 0.3f, kAlong = 0.8f;
   const UnpackedNormals& unpacked = unpacked_normals();

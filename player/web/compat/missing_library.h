@@ -1,4 +1,5 @@
-// What libc++ 13 lacks of C++20's library and the sources use. Included ahead of every source of the module.
+// Parts of C++20's library that the sources use and libc++ 13 does not have. Included ahead of every source
+// of the module.
 #pragma once
 
 #include <algorithm>

@@ -55,7 +55,7 @@ bool is_for_module(RandomScene& scene) {
   return !scene.selection.empty();
 }
 
-/// What splatlas.js needs to draw the scene.
+/// The scene as JSON, for check_module.js.
 Json json_of(const RandomScene& scene, const std::string& select) {
   const auto& [camera, options] = std::tie(scene.camera, scene.options);
   Json cuts = Json::array();
