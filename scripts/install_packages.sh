@@ -38,6 +38,7 @@ packages=(
   libopenimageio-dev       # player: JPEG, TIFF and EXR
   libopencv-core-dev       # include folder of OpenImageIO's CMake package, which does not depend on it
   openimageio-tools        # programs of OpenImageIO's CMake package; oiiotool: contact sheets
+  libwebp-dev              # player: pictures of pages
   nlohmann-json3-dev       # statistics and reports
   nettle-dev               # player: SHA-256 and base64 of pages
   zlib1g-dev               # player: checksums of PNG; preprocess: checks compressed images

@@ -12,6 +12,7 @@
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
+#include <webp/encode.h>
 
 #include "format/atlas_reader.h"
 #include "format/io/check_writable.h"
@@ -25,7 +26,6 @@
 #include "player/commands/framing.h"
 #include "player/renderer.h"
 #include "player/web/html_page.h"
-#include "player/write_png.h"
 
 namespace splatlas {
 namespace {
@@ -91,7 +91,20 @@ Result<Opening> opening_of(const ExportRequest& request, const Atlas& atlas) {
   return opening;
 }
 
-/// Fits the camera and draws the picture, with a transparent background.
+/// As WebP, a tenth of a PNG, with a transparent background.
+Result<std::vector<std::byte>> encode_webp(const Picture& picture) {
+  constexpr float kQuality = 90;
+  const std::vector<std::uint8_t> pixels = to_srgba8(picture);
+  const auto [width, height] = picture.size;
+  std::uint8_t* encoded = nullptr;
+  const std::size_t size = WebPEncodeRGBA(pixels.data(), width, height, 4 * width, kQuality, &encoded);
+  const std::unique_ptr<std::uint8_t, decltype(&WebPFree)> owner(encoded, &WebPFree);
+  if (size == 0) return fail(ErrorCode::kLimit, "the opening picture does not fit into memory");
+  const auto* const bytes = reinterpret_cast<const std::byte*>(encoded);
+  return std::vector(bytes, bytes + size);
+}
+
+/// Fits the camera and draws the picture.
 Result<std::vector<std::byte>> draw(const std::shared_ptr<const Atlas>& atlas, Opening& opening) {
   const Result<Selection> selection = Selection::parse(opening.select, atlas->graph());
   if (!selection) return fail(selection.error().code, "{}: {}", atlas->name(), selection.error().message);
@@ -101,7 +114,7 @@ Result<std::vector<std::byte>> draw(const std::shared_ptr<const Atlas>& atlas, O
   SPLATLAS_ASSIGN_OR_RETURN(opening.camera, renderer.fit(opening.camera, options));
   opening.camera = zoomed(opening.camera, opening.zoom);
   SPLATLAS_ASSIGN_OR_RETURN(const Frame frame, renderer.render(opening.camera, options));
-  return encode_png(frame.picture);
+  return encode_webp(frame.picture);
 }
 
 std::string json_of(const Opening& opening) {

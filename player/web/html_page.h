@@ -15,7 +15,7 @@ struct HtmlPage {
   std::string title;                   ///< any text; empty: a general one
   std::string caption;                 ///< any text, of the opening picture
   std::string opening;                 ///< JSON: the selection and the camera of the opening picture
-  std::span<const std::byte> picture;  ///< the opening picture as PNG
+  std::span<const std::byte> picture;  ///< the opening picture as WebP
 };
 
 /// The bytes of the file. Texts are escaped; the content security policy allows the page's own script, style

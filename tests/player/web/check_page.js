@@ -45,8 +45,8 @@ function checkContents(html) {
   assert(Buffer.from(dataOf(html, 'atlas'), 'base64').equals(fs.readFileSync(lesson)), 'another atlas');
   const unpacked = zlib.gunzipSync(Buffer.from(dataOf(html, 'module'), 'base64'));
   assert(unpacked.equals(fs.readFileSync(wasm)), 'another module');
-  const png = textOf(html, 'src="data:image/png;base64,', '"');
-  assert.strictEqual(Buffer.from(png, 'base64').subarray(1, 4).toString(), 'PNG');
+  const picture = textOf(html, 'src="data:image/webp;base64,', '"');
+  assert.strictEqual(Buffer.from(picture, 'base64').subarray(8, 12).toString(), 'WEBP');
 }
 
 /** The page without its data and scripts has the elements of the template alone, and no text of the atlas as markup. */
