@@ -3,7 +3,7 @@
 //   selection := term { ("+" | "-") term }
 //   term      := target [":surface" | ":volume" | ":both"] [ "(" option { "," option } ")" ]
 //   target    := NAME | "#" label | "rest"
-//   option    := "opacity=" number in (0, 1]  |  "color=" "#rrggbb"
+//   option    := "ghost"  |  "opacity=" number in (0, 1]  |  "color=" "#rrggbb"
 //              | "profile=" ("soft" | "thin" | "hard")  |  "low=" grey value  |  "high=" grey value
 //              | "curve=" point { "/" point }
 //   point     := grey value ":" opacity from 0 to 0.9999 [":" shade from 0 to 1]
@@ -22,7 +22,8 @@
 //   - An added term adds its mode (default: volume) to the current mode. "A:volume + A:surface" is "A:both",
 //     and "A:both - A:surface" is "A:volume".
 //   - Options override those of earlier terms; omitted options keep their value. A curve replaces profile,
-//     low and high; any of these replaces a curve.
+//     low and high; any of these replaces a curve. "ghost" makes the surfaces of its term one grey hull until
+//     the next term without it; both changes reset opacity and colour.
 //   - A new low at or above an earlier high resets that high, and vice versa.
 //   - "- NAME" and "- NAME:both" remove structures and reset their options.
 //   - "- NAME:surface" and "- NAME:volume" remove only that part. Removals have no options.
@@ -81,6 +82,7 @@ struct SelectionTerm {
   std::string name;                ///< without quotes; "#17" of a label, "rest"
   std::int64_t label = 0;          ///< of kLabel
   DrawMode mode = DrawMode::kOff;  ///< kOff if not given
+  bool ghost = false;
   std::optional<float> opacity = std::nullopt;
   std::optional<Rgb> color = std::nullopt;
   std::optional<TransferProfile> profile = std::nullopt;
@@ -88,6 +90,10 @@ struct SelectionTerm {
   std::shared_ptr<const TransferCurve> curve = nullptr;  ///< excludes profile, low and high
   std::size_t column = 0;  ///< byte offset of the term in the text, for messages
 };
+
+/// Opacity of a ghost at its rim, and colour, by default.
+inline constexpr float kGhostOpacity = 0.7f;
+inline constexpr Rgb kGhostColor{144, 144, 144};
 
 /// Draw mode and appearance of one structure; StructureDraw{} if it is not selected.
 struct StructureDraw {
@@ -101,6 +107,9 @@ struct StructureDraw {
   /// numbered from 0: first those for the rest, then the others, in the order of the text.
   std::uint32_t term = 0;
   VolumeStyle volume = {};
+  /// Draws the surfaces of the same term as one hull: the first crossing of a ray alone, more opaque at the
+  /// rim. The opacity is that of the rim; default: kGhostOpacity.
+  bool ghost = false;
   friend bool operator==(const StructureDraw&, const StructureDraw&) = default;
 };
 

@@ -20,7 +20,18 @@ constexpr std::uint32_t kNobody = std::numeric_limits<std::uint32_t>::max();
 
 /// The latest term to set each property of a structure, also to its default.
 struct Owners {
-  enum : std::size_t { kVolumePart, kSurfacePart, kOpacity, kColor, kProfile, kLow, kHigh, kCurve, kCount };
+  enum : std::size_t {
+    kVolumePart,
+    kSurfacePart,
+    kGhost,
+    kOpacity,
+    kColor,
+    kProfile,
+    kLow,
+    kHigh,
+    kCurve,
+    kCount
+  };
   std::array<std::uint32_t, kCount> of;
 
   Owners() { of.fill(kNobody); }
@@ -36,8 +47,12 @@ struct Owners {
     };
     take(kVolumePart, term.mode != DrawMode::kSurface);
     take(kSurfacePart, term.mode == DrawMode::kSurface || term.mode == DrawMode::kBoth);
-    take(kOpacity, term.opacity.has_value());
-    take(kColor, term.color.has_value());
+    // The end of a ghost resets its appearance, depending on the term that made it one
+    if (before.ghost && !after.ghost) lasts(of[kGhost]);
+    const bool resets = before.ghost != after.ghost;
+    take(kGhost, true);
+    take(kOpacity, resets || term.opacity);
+    take(kColor, resets || term.ghost || term.color);
     // A new end of a ramp resets the other end, depending on both terms
     const auto is_reset = [&](const std::optional<double> VolumeStyle::*end) {
       return !term.curve && before.volume.*end && !(after.volume.*end);

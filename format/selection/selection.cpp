@@ -74,6 +74,9 @@ void add(const SelectionTerm& term, std::uint32_t number, const Structure& struc
   if (draw.mode == DrawMode::kOff) draw.color = structure.color;
   const DrawMode mode = term.mode == DrawMode::kOff ? DrawMode::kVolume : term.mode;
   draw.mode = static_cast<DrawMode>(parts_of(draw.mode) | parts_of(mode));
+  if (term.ghost != draw.ghost) draw.opacity.reset();
+  if (term.ghost || draw.ghost) draw.color = term.ghost ? kGhostColor : structure.color;
+  draw.ghost = term.ghost;
   if (term.opacity) draw.opacity = term.opacity;
   if (term.color) draw.color = *term.color;
   restyle(term, draw.volume);

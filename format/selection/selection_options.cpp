@@ -31,6 +31,11 @@ OptionResult read_opacity(std::string_view value, SelectionTerm& term) {
   return {};
 }
 
+OptionResult read_ghost(std::string_view, SelectionTerm& term) {
+  term.ghost = true;
+  return {};
+}
+
 OptionResult read_color(std::string_view value, SelectionTerm& term) {
   const auto color = parse_color(value);
   if (!color) return fault(fmt::format("{} is not a color: write #rrggbb", in_quotes(value)));
@@ -128,7 +133,8 @@ std::string write_curve(const SelectionTerm& term) {
 
 using Term = SelectionTerm;
 
-constexpr std::array<SelectionOption, 6> kOptions{{
+constexpr std::array<SelectionOption, 7> kOptions{{
+    {"ghost", [](const Term& t) { return t.ghost; }, read_ghost, nullptr},
     {"opacity", [](const Term& t) { return t.opacity.has_value(); }, read_opacity,
      [](const Term& t) { return fmt::format("{}", *t.opacity); }},
     {"color", [](const Term& t) { return t.color.has_value(); }, read_color,
@@ -155,7 +161,8 @@ std::string write_options(const SelectionTerm& term) {
   for (const SelectionOption& option : kOptions) {
     if (!option.is_given(term)) continue;
     if (!text.empty()) text += ',';
-    text += fmt::format("{}={}", option.name, option.write(term));
+    text += option.name;
+    if (option.write != nullptr) text += '=' + option.write(term);
   }
   return text;
 }

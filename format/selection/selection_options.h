@@ -24,7 +24,7 @@ struct SelectionOption {
   bool (*is_given)(const SelectionTerm& term);
   /// Parses a value. Leaves the term unchanged on error.
   OptionResult (*read)(std::string_view value, SelectionTerm& term);
-  /// Formats the value of a term with this option. read() restores it exactly.
+  /// Formats the value of a term with this option. read() restores it exactly. Null for a flag.
   std::string (*write)(const SelectionTerm& term);
 };
 

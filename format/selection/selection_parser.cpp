@@ -139,13 +139,15 @@ class Parser {
     const std::string_view key = word();
     const SelectionOption* const option = find_option(key);
     if (option == nullptr) {
-      return fault_at(
-          start,
-          fmt::format(
-              "{} is not an option: {}", in_quotes(key),
-              "write opacity=0.4, color=#ff8800, profile=thin, low=40, high=160 or curve=40:0/160:0.3"));
+      return fault_at(start, fmt::format("{} is not an option: {}", in_quotes(key),
+                                         "write ghost, opacity=0.4, color=#ff8800, profile=thin, low=40, "
+                                         "high=160 or curve=40:0/160:0.3"));
     }
     if (option->is_given(term)) return fault_at(start, fmt::format("{} is given twice", option->name));
+    if (option->write == nullptr) {
+      (void)option->read({}, term);  // a flag
+      return {};
+    }
     if (!skip('=')) return fault(fmt::format("expected \"=\" after {}", option->name));
     skip_blanks();
     const std::size_t value_start = at_;

@@ -1,5 +1,6 @@
 // Formatter of selection text.
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -22,7 +23,8 @@ std::string text_of(const SelectionTerm& term) {
 
 bool have_same_appearance(const StructureDraw& a, const StructureDraw& b) {
   if (a.mode == DrawMode::kOff && b.mode == DrawMode::kOff) return true;
-  return a.mode == b.mode && a.opacity == b.opacity && a.color == b.color && a.volume == b.volume;
+  return a.mode == b.mode && a.opacity == b.opacity && a.color == b.color && a.volume == b.volume &&
+         a.ghost == b.ghost;
 }
 
 /// The ramp on which a term's ramp options act. A ramp option replaces a curve by the default ramp.
@@ -59,7 +61,8 @@ class TermFinder {
 
   /// Starts with a term that selects all structures with the appearance of `draw`.
   void begin_with_all(const StructureDraw& draw) {
-    SelectionTerm term{.name = "*", .mode = draw.mode, .opacity = draw.opacity};
+    SelectionTerm term{.name = "*", .mode = draw.mode, .ghost = draw.ghost, .opacity = draw.opacity};
+    if (draw.ghost && draw.color != kGhostColor) term.color = draw.color;
     restyle({}, draw.volume, term);
     add_term(std::move(term), graph_.topological());
   }
@@ -86,11 +89,13 @@ class TermFinder {
     const StructureDraw& target = target_.structures[s];
     const StructureDraw& current = current_.structures[s];
     if (current.mode == DrawMode::kOff) return false;
+    const bool resets = target.ghost != current.ghost;
     const bool swaps_parts =
         current.mode != target.mode && current.mode != DrawMode::kBoth && target.mode != DrawMode::kBoth;
     const bool own_color_again = target.color != current.color && target.color == graph_[s].color;
-    return swaps_parts || (current.opacity && !target.opacity) ||
-           cannot_restyle(current.volume, target.volume) || (own_color_again && !graph_.children(s).empty());
+    return swaps_parts || (current.opacity && !target.opacity && !resets) ||
+           cannot_restyle(current.volume, target.volume) ||
+           (own_color_again && !resets && !graph_.children(s).empty());
   }
 
   void remove(StructureIndex s, DrawMode mode) {
@@ -100,9 +105,10 @@ class TermFinder {
   void add(StructureIndex s) {
     const StructureDraw& target = target_.structures[s];
     const StructureDraw& current = current_.structures[s];
-    const Rgb color = current.mode == DrawMode::kOff ? graph_[s].color : current.color;
-    SelectionTerm term{.name = graph_[s].id, .mode = target.mode};
-    if (target.opacity != current.opacity) term.opacity = target.opacity;
+    const bool resets = current.mode == DrawMode::kOff || target.ghost != current.ghost;
+    const Rgb color = target.ghost ? kGhostColor : resets ? graph_[s].color : current.color;
+    SelectionTerm term{.name = graph_[s].id, .mode = target.mode, .ghost = target.ghost};
+    if (resets || target.opacity != current.opacity) term.opacity = target.opacity;
     if (target.color != color) term.color = target.color;
     restyle(current.volume, target.volume, term);
     add_term(std::move(term), graph_.descendants(s));
@@ -124,15 +130,22 @@ class TermFinder {
 std::string to_text(const Selection& selection, const StructureGraph& graph) {
   std::vector<SelectionTerm> terms = TermFinder(selection, graph).find();
 
-  // "All but a few" is shorter if most structures are selected.
+  // "All but a few" is shorter if most structures are selected. It makes one hull of all ghosts.
+  const auto cost = [](const std::vector<SelectionTerm>& of) {
+    return std::pair(std::ranges::count(of, true, &SelectionTerm::ghost), of.size());
+  };
+  const auto try_all_but = [&](const StructureDraw& draw) {
+    TermFinder finder(selection, graph);
+    finder.begin_with_all(draw);
+    std::vector<SelectionTerm> all_but = finder.find();
+    if (cost(all_but) < cost(terms)) terms = std::move(all_but);
+  };
   const auto is_on = [&](StructureIndex s) { return selection.structures[s].mode != DrawMode::kOff; };
   const auto root = std::find_if(graph.roots().begin(), graph.roots().end(), is_on);
-  if (root != graph.roots().end()) {
-    TermFinder finder(selection, graph);
-    finder.begin_with_all(selection.structures[*root]);
-    std::vector<SelectionTerm> all_but = finder.find();
-    if (all_but.size() < terms.size()) terms = std::move(all_but);
-  }
+  if (root != graph.roots().end()) try_all_but(selection.structures[*root]);
+  const auto is_ghost = [](const StructureDraw& draw) { return draw.mode != DrawMode::kOff && draw.ghost; };
+  const auto ghost = std::ranges::find_if(selection.structures, is_ghost);
+  if (ghost != selection.structures.end()) try_all_but(*ghost);
 
   std::string text;
   for (const SelectionTerm& term : terms) {

@@ -28,6 +28,7 @@ inline void showValue(const StructureGraph& graph, std::ostream& out) {
 inline void showValue(const Selection& selection, std::ostream& out) {
   for (const StructureDraw& draw : selection.structures) {
     out << " " << name_of(draw.mode);
+    if (draw.ghost) out << " ghost";
     if (draw.opacity) out << " " << *draw.opacity;
     if (draw.mode == DrawMode::kOff) continue;
     out << " " << to_hex(draw.color) << " " << name_of(draw.volume.profile);
@@ -125,6 +126,8 @@ inline Selection random_selection(const StructureGraph& graph, std::mt19937& ran
       draw.color = below(3, random) == 0 ? default_color(below(4, random)) : graph[s].color;
       if (below(2, random) == 0) draw.opacity = std::vector{0.1f, 0.5f, 1.0f, 1e-6f}[below(4, random)];
       draw.volume = random_style(random);
+      draw.ghost = below(4, random) == 0;
+      if (draw.ghost && below(2, random) == 0) draw.color = kGhostColor;
     }
     if (draw.mode == DrawMode::kOff) draw = {};
   }

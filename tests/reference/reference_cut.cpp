@@ -46,6 +46,7 @@ ReferenceCut::ReferenceCut(const AtlasContent& content, const Selection& selecti
     planes_.push_back(of_index);
   }
   solids_ = DecisionTree(content.graph, content.classes).plan(selection).surfaces;
+  std::erase_if(solids_, [&](StructureIndex s) { return !is_solid(s); });
   for (const IndexPlane& plane : planes_) outlined_.push_back(outlined(slightly_inside(plane)));
 }
 
@@ -144,10 +145,12 @@ std::optional<StructureIndex> ReferenceCut::structure_at(const Index3& voxel,
   std::optional<StructureIndex> best;
   for (const Membership& member : content_.classes.members(content_.class_volume[place])) {
     const StructureIndex s = member.structure;
-    if (!member.holds() || selection_.structures[s].mode == DrawMode::kOff || without[s]) continue;
+    const StructureDraw& draw = selection_.structures[s];
+    const bool is_hull = draw.ghost && draw.mode == DrawMode::kSurface;
+    if (!member.holds() || draw.mode == DrawMode::kOff || is_hull || without[s]) continue;
     if (!best || hides(s, *best)) best = s;
   }
-  if (!best || selection_.structures[*best].mode != DrawMode::kVolume) return best;
+  if (!best || is_solid(*best)) return best;
   for (const Membership& member : content_.classes.members(content_.class_volume[place])) {
     const StructureIndex s = member.structure;
     if (!member.holds() || !hides(s, *best)) continue;
@@ -156,6 +159,11 @@ std::optional<StructureIndex> ReferenceCut::structure_at(const Index3& voxel,
   const double grey = content_.values.empty() ? HUGE_VAL : value_of(content_.values, place);
   const TransferCurve curve = transfer_curve(selection_.structures[*best], content_.display);
   return transfer(curve, grey, voxel_side_mm(grid_)).extinction_per_mm > 0 ? best : std::nullopt;
+}
+
+bool ReferenceCut::is_solid(StructureIndex s) const {
+  const StructureDraw& draw = selection_.structures[s];
+  return draw.mode != DrawMode::kVolume && !draw.ghost;
 }
 
 bool ReferenceCut::has_greys() const {
@@ -204,8 +212,8 @@ ReferenceFace ReferenceCut::face(const Vec3& index, std::size_t number) const {
   });
   if (weights == 0) return {};
   const StructureDraw& draw = selection_.structures[*s];
-  const bool is_solid = draw.mode != DrawMode::kVolume || is_enclosed;  // external surfaces are always drawn
-  const double opacity = static_cast<double>(is_solid ? draw.opacity.value_or(1.0f) : full_opacity(draw));
+  const bool is_of_solid = is_solid(*s) || is_enclosed;  // external surfaces are always drawn
+  const double opacity = static_cast<double>(is_of_solid ? draw.opacity.value_or(1.0f) : full_opacity(draw));
   const double luminance = linear_of_grey(grey / weights);
   std::array<double, 3> color = linear_of(draw.color);
   if (caps_ == CapMode::kValues) color.fill(luminance);

@@ -64,6 +64,7 @@ class ReferenceCut {
                                                        const std::vector<bool>& outlined) const;
   /// True if a face of `a` hides one of `b`.
   [[nodiscard]] bool hides(StructureIndex a, StructureIndex b) const;
+  [[nodiscard]] bool is_solid(StructureIndex s) const;
   [[nodiscard]] bool has_greys() const;  // and a display window
   [[nodiscard]] double grey_at(const Index3& voxel) const;
 

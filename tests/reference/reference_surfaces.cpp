@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <tuple>
 
 #include "format/content/decision_tree.h"
@@ -150,8 +151,16 @@ void shade(Crossing& crossing, const ParallelView& view, const Selection& select
     for (std::size_t a = 0; a < 3; ++a) normal[a] += weight * normals_lps[n][a];
   }
   const StructureDraw& draw = selection.structures[crossing.structure];
-  const double opacity = draw.opacity.value_or(1.0f);
-  const std::array<double, 3> color = shade_surface(view, linear_of(draw.color), normal);
+  double opacity = draw.opacity.value_or(draw.ghost ? kGhostOpacity : 1.0f);
+  std::array<double, 3> color = shade_surface(view, linear_of(draw.color), normal);
+  crossing.hull.reset();
+  if (draw.ghost) {
+    crossing.hull = draw.term;
+    color = linear_of(draw.color);
+    const double length = std::sqrt(dot(normal, normal));
+    const double facing = length > 0 ? std::min(1.0, std::abs(dot(normal, view.forward_lps)) / length) : 1;
+    opacity *= 0.06 + 0.94 * (1 - facing) * (1 - facing);
+  }
   crossing.rgba = {color[0] * opacity, color[1] * opacity, color[2] * opacity, opacity};
 }
 
@@ -162,6 +171,8 @@ void put_in_order(std::vector<Crossing>& all) {
   };
   std::sort(all.begin(), all.end(),
             [&](const Crossing& a, const Crossing& b) { return order(a) < order(b); });
+  std::set<std::uint32_t> hulls;
+  std::erase_if(all, [&](const Crossing& c) { return c.hull && !hulls.insert(*c.hull).second; });
   const auto opaque = std::find_if(all.begin(), all.end(), [](const Crossing& c) { return c.rgba[3] >= 1; });
   if (opaque != all.end()) all.erase(opaque + 1, all.end());
 }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "format/content/atlas_content.h"
@@ -18,6 +19,7 @@ struct Crossing {
   double depth = 0;                        ///< along the principal axis in voxels, away from the viewer
   std::array<double, 4> rgba{0, 0, 0, 0};  ///< shaded, premultiplied, linear
   StructureIndex structure = kNoStructure;
+  std::optional<std::uint32_t> hull = std::nullopt;  ///< of a ghost: its term
   std::uint32_t triangle = 0;
   bool entering = false;  ///< see meets_front(); interpolated normals are flipped for back faces only
 };
@@ -30,8 +32,8 @@ struct Crossing {
 /// their weights.
 void shade(Crossing& crossing, const ParallelView& view, const Selection& selection,
            const std::array<Vec3, 3>& normals_lps, const std::array<double, 3>& weights);
-/// Sorts front to back up to the first opaque crossing. Of coincident surfaces (within 1/4096 voxel), those
-/// that the ray leaves come first.
+/// Sorts front to back up to the first opaque crossing; of the crossings of a hull, only the first stays. Of
+/// coincident surfaces (within 1/4096 voxel), those that the ray leaves come first.
 void put_in_order(std::vector<Crossing>& crossings);
 
 /// Rule for coverage of pixel centres and interpolation of normals.

@@ -265,6 +265,7 @@ class SceneMaker {
         default: draw.opacity = 1.0f; break;
       }
       if (below(2) == 0) draw.volume = make_style();
+      draw.ghost = draw.color.r % 6 == 0;  // no random number more: the scenes of a seed stay
     }
     return selection;
   }
@@ -373,6 +374,7 @@ std::string describe(const RandomScene& scene) {
   if (scene.options.classification == Classification::kAfter) text += " classified after interpolation;";
   for (const StructureDraw& draw : scene.selection.structures) {
     text += fmt::format(" {} {}", name_of(draw.mode), draw.opacity.value_or(-1));
+    if (draw.ghost) text += " ghost";
     if (draw.volume != VolumeStyle{}) text += draw.volume.curve ? " curve" : " ramp";
   }
   return text;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "format/content/cut_planes.h"
 #include "player/render/clip/cut_rays.h"
 #include "player/render/clip/face_layer.h"
 #include "player/render/clip/face_map.h"

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "format/content/cut_planes.h"
 #include "format/content/grid.h"
 #include "format/content/run_model.h"
 #include "player/camera.h"

@@ -14,9 +14,9 @@ FaceStyle solid_style(StructureIndex structure, const Selection& selection) {
 
 FaceStyle face_style(StructureIndex structure, const Selection& selection) {
   const StructureDraw& draw = selection.structures[structure];
-  if (draw.mode == DrawMode::kOff) return {};
+  if (draw.mode == DrawMode::kOff || (draw.mode == DrawMode::kSurface && draw.ghost)) return {};
   FaceStyle style = solid_style(structure, selection);
-  if (draw.mode == DrawMode::kVolume) style.opacity = full_opacity(draw);
+  if (!is_solid(draw)) style.opacity = full_opacity(draw);
   return style;
 }
 
@@ -40,7 +40,7 @@ std::vector<FaceClass> face_classes(const ClassTable& classes, const Selection& 
       const FaceStyle& style = styles[member.structure];
       if (style.hides(face)) static_cast<FaceStyle&>(face) = style;
     }
-    if (!face.has_face() || selection.structures[face.structure].mode != DrawMode::kVolume) continue;
+    if (!face.has_face() || is_solid(selection.structures[face.structure])) continue;
     const std::uint32_t draw = draw_of_class[c];
     if (draw == kNotDrawn) {
       face = {};  // a damaged part

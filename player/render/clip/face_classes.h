@@ -37,9 +37,14 @@ struct FaceClass : FaceStyle {
   std::uint32_t draw = kEveryVoxel;
 };
 
+/// True if the faces of a structure are those of a solid: it is drawn as surface, and not as ghost.
+[[nodiscard]] inline bool is_solid(const StructureDraw& draw) {
+  return (draw.mode == DrawMode::kSurface || draw.mode == DrawMode::kBoth) && !draw.ghost;
+}
 /// The style of a solid, which has the opacity of its surface.
 [[nodiscard]] FaceStyle solid_style(StructureIndex structure, const Selection& selection);
-/// The style of a structure's voxels: of a solid if it is drawn as surface. A volume has its full opacity.
+/// The style of a structure's voxels: of a solid if it is one. A volume has its full opacity, a ghost no
+/// face.
 [[nodiscard]] FaceStyle face_style(StructureIndex structure, const Selection& selection);
 
 /// Faces by ClassId. If several selected structures contain a voxel, the face is that of the latest term;

@@ -145,8 +145,9 @@ class FaceMap::Builder {
 };
 
 void FaceMap::add_solids(const VoxelPlane& plane, const FaceScene& scene, ThreadPool& pool) {
-  const std::vector<StructureIndex>& surfaces = scene.plan.surfaces;
-  for (const StructureIndex s : surfaces) solids_.push_back(solid_style(s, scene.selection));
+  for (const StructureIndex s : scene.plan.surfaces) {
+    if (is_solid(scene.selection.structures[s])) solids_.push_back(solid_style(s, scene.selection));
+  }
   std::ranges::sort(solids_, [](const FaceStyle& a, const FaceStyle& b) { return b.hides(a); });
   std::vector<const SurfaceMesh*> meshes;
   for (const FaceStyle& solid : solids_) meshes.push_back(&scene.cache.surface(solid.structure));

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "format/content/cut_planes.h"
 #include "format/content/grid.h"
 #include "player/camera.h"
 #include "player/render/clip/cut_faces.h"

@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "format/content/cut_planes.h"
 #include "format/content/structure_graph.h"
 #include "format/tasks/thread_pool.h"
 #include "player/render/decode/class_cache.h"

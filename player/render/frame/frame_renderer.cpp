@@ -138,8 +138,7 @@ bool FrameRenderer::paints_surfaces() const {
 }
 
 bool FrameRenderer::all_opaque() const {
-  return std::ranges::all_of(scene_.surfaces,
-                             [](const SurfaceDraw& surface) { return surface.opacity >= 1; });
+  return std::ranges::all_of(scene_.surfaces, [](const SurfaceDraw& surface) { return surface.is_opaque(); });
 }
 
 Result<void> FrameRenderer::rasterize(Picture& picture) {

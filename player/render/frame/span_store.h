@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "format/content/cut_planes.h"
 #include "player/camera.h"
 #include "player/render/frame/draft_pace.h"
 #include "player/render/sheets/spans/build_spans.h"

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <span>
 
 #include "format/content/grid.h"
@@ -22,8 +24,11 @@ struct SurfaceDraw {
   const SurfaceMesh* mesh = nullptr;
   const SurfaceClusters* clusters = nullptr;  ///< of the mesh
   StructureIndex structure = kNoStructure;
-  std::array<float, 3> color{1, 1, 1};  ///< linear
-  float opacity = 1;                    ///< of each crossing
+  std::array<float, 3> color{1, 1, 1};                ///< linear
+  float opacity = 1;                                  ///< of each crossing; of a ghost's rim
+  std::optional<std::uint32_t> ghost = std::nullopt;  ///< hull that it belongs to
+
+  [[nodiscard]] bool is_opaque() const { return opacity >= 1 && !ghost; }
 };
 
 /// The surfaces of a view.

@@ -29,7 +29,8 @@ SurfaceDraw surface_draw(StructureIndex s, const StructureDraw& appearance, cons
           s,
           {srgb_to_linear(appearance.color.r), srgb_to_linear(appearance.color.g),
            srgb_to_linear(appearance.color.b)},
-          appearance.opacity.value_or(1.0f)};
+          appearance.opacity.value_or(appearance.ghost ? kGhostOpacity : 1.0f),
+          appearance.ghost ? std::optional(appearance.term) : std::nullopt};
 }
 
 /// Number of fragments that are kept so far. The limit applies to the sum over all tiles, so that their order

@@ -123,7 +123,7 @@ void TileBins::fill(const RasterScene& scene, ThreadPool& pool) {
     for (const Placed& placed : of) clusters_[first_of_tile_[placed.tile + 1]++] = placed.cluster;
   }
   const auto key = [&scene](const TileCluster& of) {
-    return std::tuple(scene.surfaces[of.surface].opacity < 1, of.nearest, of.surface, of.cluster);
+    return std::tuple(!scene.surfaces[of.surface].is_opaque(), of.nearest, of.surface, of.cluster);
   };
   pool.for_each(tiles(), [&](std::size_t tile) {
     std::sort(clusters_.begin() + static_cast<std::ptrdiff_t>(first_of_tile_[tile]),

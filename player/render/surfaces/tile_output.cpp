@@ -33,9 +33,12 @@ std::array<float, 3> TileRasterizer::normal_of(const Crossing& crossing) const {
 
 Fragment TileRasterizer::fragment(const Crossing& crossing) const {
   const SurfaceDraw& surface = scene_->surfaces[crossing.surface];
-  const SurfaceShading shading = scene_->lighting.on_surface(normal_of(crossing));
-  Fragment fragment{crossing.depth, {0, 0, 0, surface.opacity}, surface.structure};
-  for (std::size_t c = 0; c < 3; ++c) fragment.rgba[c] = shading.on(surface.color[c]) * surface.opacity;
+  const std::array<float, 3> normal = normal_of(crossing);
+  const float opacity =
+      surface.ghost ? surface.opacity * ghost_share(scene_->lighting.facing(normal)) : surface.opacity;
+  const SurfaceShading shading = surface.ghost ? SurfaceShading{} : scene_->lighting.on_surface(normal);
+  Fragment fragment{crossing.depth, {0, 0, 0, opacity}, surface.structure};
+  for (std::size_t c = 0; c < 3; ++c) fragment.rgba[c] = shading.on(surface.color[c]) * opacity;
   return fragment;
 }
 
@@ -140,6 +143,13 @@ Radiance TileRasterizer::finish_slot(std::uint32_t slot, const RayFaces& faces, 
     for (std::size_t c = 0; c < 4; ++c) sum.rgba[c] += transmittance * last.rgba[c];
     transmittance *= 1 - last.rgba[3];
   };
+  const auto is_behind_its_hull = [&](const SurfaceDraw& surface) {
+    if (!surface.ghost) return false;
+    const bool is_behind = std::ranges::find(hulls_, *surface.ghost) != hulls_.end();
+    if (!is_behind) hulls_.push_back(*surface.ghost);
+    return is_behind;
+  };
+  hulls_.clear();
   pass_face(faces.front);
   if (!end_of_slot_.empty()) {
     const std::uint32_t begin = slot == 0 ? 0 : end_of_slot_[slot - 1];
@@ -147,7 +157,7 @@ Radiance TileRasterizer::finish_slot(std::uint32_t slot, const RayFaces& faces, 
     sort_slot(of_slot);
     for (const std::uint32_t n : of_slot) {
       if (transmittance <= termination_threshold) break;
-      pass(sorted_[n]);
+      if (!is_behind_its_hull(scene_->surfaces[sorted_[n].surface])) pass(sorted_[n]);
     }
   }
   if (hiding_[slot] < kNothingHidden && transmittance > termination_threshold) pass(nearest_[slot]);

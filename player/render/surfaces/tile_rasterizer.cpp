@@ -83,7 +83,7 @@ void TileRasterizer::draw(const TileCluster& of) {
   changed_ = false;
   Current current;
   current.surface = of.surface;
-  current.is_opaque = surface.opacity >= 1;
+  current.is_opaque = surface.is_opaque();
   current.hides_back = current.is_opaque && surface.clusters->is_closed() && scene_->cuts == nullptr &&
                        scene_->projection.is_parallel();
   for (std::size_t n = 0; n < cluster.triangles.size(); ++n) {

@@ -144,6 +144,7 @@ class TileRasterizer {
   std::vector<Crossing> sorted_;            // by slot
   std::vector<std::uint32_t> end_of_slot_;  // in sorted_; empty without translucent ones
   std::vector<std::uint32_t> order_;        // of sorted_, by depth within a slot
+  std::vector<std::uint32_t> hulls_;        // of the ghosts that the current slot has passed
 };
 
 }  // namespace splatlas

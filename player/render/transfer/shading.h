@@ -19,6 +19,14 @@ struct SurfaceShading {
   [[nodiscard]] float on(float color) const { return std::min(1.0f, color * diffuse + highlight); }
 };
 
+/// Share of a ghost's opacity, from the cosine between its normal and the direction to the viewer: faint
+/// where it faces the viewer, whole at the rim.
+[[nodiscard]] inline float ghost_share(float facing) {
+  constexpr float kFacing = 0.06f;
+  const float rim = (1 - facing) * (1 - facing);
+  return kFacing + (1 - kFacing) * rim;
+}
+
 /// Components of all 65536 packed normals, in arrays for SIMD.
 struct UnpackedNormals {
   std::vector<float> x, y, z;
@@ -51,7 +59,14 @@ class Lighting {
     return {kAmbient + (1.0f - kAmbient) * std::min(facing > 0 ? facing : 0.0f, 1.0f),
             kHighlight * highlight};
   }
-  /// The same for `count` normals, in arrays for SIMD.
+  /// Cosine between a normal and the direction to the viewer, from 0 to 1, on either side; 1 for a normal
+  /// without length.
+  [[nodiscard]] float facing(const std::array<float, 3>& normal_lps) const {
+    const float length_squared = dot(normal_lps, normal_lps);
+    if (!(length_squared > 0)) return 1;
+    return std::min(1.0f, std::abs(dot(normal_lps, to_viewer_)) / std::sqrt(length_squared));
+  }
+  /// The same as on_surface() for `count` normals, in arrays for SIMD.
   void on_surfaces(std::size_t count, const std::array<const float*, 3>& normals_lps, float* diffuse,
                    float* highlight) const;
   /// diffuse() of all 65536 packed normals, for hybrid shading. Cost: about 0.1 ms.

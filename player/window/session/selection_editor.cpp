@@ -25,7 +25,7 @@ bool draw_alike(const Selection& a, const Selection& b) {
 
 /// Equality except for the colour, which differs among the descendants of a group.
 bool alike_but_for_color(const StructureDraw& a, const StructureDraw& b) {
-  return a.mode == b.mode && a.opacity == b.opacity && a.volume == b.volume;
+  return a.mode == b.mode && a.opacity == b.opacity && a.volume == b.volume && a.ghost == b.ghost;
 }
 
 bool is_on(const StructureDraw& draw) {
@@ -49,7 +49,8 @@ std::optional<StructureDraw> SelectionEditor::appearance(StructureIndex s) const
 
 StructureDraw SelectionEditor::switched_on(StructureIndex s) const {
   StructureDraw draw = selection_.structures[s];
-  if (!is_on(draw)) draw = {.mode = DrawMode::kVolume, .opacity = std::nullopt, .color = graph_[s].color};
+  const DrawMode mode = draw.ghost ? DrawMode::kSurface : DrawMode::kVolume;
+  if (!is_on(draw) || draw.ghost) draw = {.mode = mode, .opacity = std::nullopt, .color = graph_[s].color};
   return draw;
 }
 
@@ -95,8 +96,7 @@ void SelectionEditor::ghost_others(StructureIndex s) {
   Selection ghosts = selection_;
   for (StructureDraw& draw : ghosts.structures) {
     if (!is_on(draw)) continue;
-    draw.mode = DrawMode::kSurface;
-    draw.opacity = kGhostOpacity;
+    draw = {.mode = DrawMode::kSurface, .opacity = std::nullopt, .color = kGhostColor, .ghost = true};
   }
   show_among(s, std::move(ghosts));
 }
@@ -161,7 +161,7 @@ void SelectionEditor::settle_groups(Selection& wanted) const {
       group = {};
     } else if (!alike_but_for_color(group, first)) {
       group = first;
-      group.color = graph_[*s].color;
+      if (!first.ghost) group.color = graph_[*s].color;
     }
   }
 }

@@ -31,9 +31,6 @@ class ModeSet {
   std::uint8_t bits_ = 0;
 };
 
-/// Opacity of surfaces that ghost_others() makes faint.
-inline constexpr float kGhostOpacity = 0.08f;
-
 /// A selection and its text. Invariant: selection() == Selection::parse(text()), including term numbers. Not
 /// thread-safe.
 class SelectionEditor {
@@ -64,7 +61,7 @@ class SelectionEditor {
 
   /// Draws this subtree only. Structures that were off become volumes.
   void isolate(StructureIndex s);
-  /// As isolate(), but other structures that were on become faint surfaces (kGhostOpacity).
+  /// As isolate(), but other structures that were on become one grey hull.
   void ghost_others(StructureIndex s);
   void show_all();
   void hide_all();

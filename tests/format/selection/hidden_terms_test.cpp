@@ -123,6 +123,7 @@ SelectionTerm random_term(const StructureGraph& graph, std::mt19937& random) {
   if (term.remove) return term;
   if (random() % 4 == 0) term.opacity = 0.25f * static_cast<float>(1 + random() % 4);
   if (random() % 4 == 0) term.color = default_color(random() % 4);
+  term.ghost = random() % 4 == 0;
   if (random() % 3 != 0) return term;
   set_random_style(term, random);
   return term;

@@ -96,6 +96,10 @@ TEST(ParseSelection, ReadsTheRest) {
 TEST(ParseSelection, OptionsHaveValues) {
   EXPECT_THAT(parse_selection("A(color)"),
               FailsWith(ErrorCode::kUsage, HasSubstr("expected \"=\" after color")));
+  EXPECT_THAT(parse_selection("A(ghost=1)"),
+              FailsWith(ErrorCode::kUsage, HasSubstr("expected \",\" or \")\" after an option")));
+  EXPECT_THAT(parse_selection("A(ghost,ghost)"),
+              FailsWith(ErrorCode::kUsage, HasSubstr("ghost is given twice")));
 }
 
 TEST(ParseSelection, ReadsModesAndOptionsInAnyCaseAndSpacing) {
@@ -107,6 +111,8 @@ TEST(ParseSelection, ReadsModesAndOptionsInAnyCaseAndSpacing) {
   EXPECT_EQ(term.opacity, 0.01f);
   EXPECT_EQ(term.mode, DrawMode::kOff);
   EXPECT_EQ(only_term("A(opacity=1)").opacity, 1.0f);
+  EXPECT_FALSE(only_term("A(opacity=1)").ghost);
+  EXPECT_TRUE(only_term("A:surface(Ghost , opacity=1)").ghost);
   EXPECT_EQ(only_term("A(opacity=.25)").opacity, 0.25f);
 }
 

@@ -237,6 +237,10 @@ StructureDraw fate_of(StructureIndex s, const std::vector<SelectionTerm>& terms,
       if (!volume && !surface) result = {.color = graph[s].color};
       if (unsaid || term.mode != kSurface) volume = true;
       if (term.mode == kSurface || term.mode == kBoth) surface = true;
+      if (term.ghost != result.ghost) result.opacity.reset();
+      if (term.ghost != result.ghost) result.color = graph[s].color;
+      result.ghost = term.ghost;
+      if (term.ghost) result.color = {144, 144, 144};
       if (term.opacity) result.opacity = term.opacity;
       if (term.color) result.color = *term.color;
       if (term.curve) result.volume = {.curve = term.curve};
@@ -265,6 +269,7 @@ RC_GTEST_PROP(Selection, EveryStructureFollowsTheRules, ()) {
     if (term.remove) continue;
     if (random() % 2 == 0) term.opacity = 0.25f * static_cast<float>(1 + random() % 4);
     if (random() % 3 == 0) term.color = default_color(random() % 4);
+    term.ghost = random() % 4 == 0;
     set_random_style(term, random);
   }
   const auto selection = resolve_selection(terms, graph);

@@ -55,6 +55,10 @@ TEST(SelectionText, IsShort) {
            "Left(low=10,high=20) + A(curve=10:0.5)",
            "Left(low=10) - A + A",
            "*(profile=hard) + A(profile=soft)",
+           "Left:surface(ghost)",
+           "Left:surface(ghost,opacity=0.25,color=#ff8800) + A:surface",
+           "Brain:surface(ghost) + A:surface(color=#ff8800)",
+           "*:surface(ghost) - Left + A:surface",
        }) {
     EXPECT_EQ(to_text(*Selection::parse(text, graph), graph), text);
   }

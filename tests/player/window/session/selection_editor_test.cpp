@@ -73,8 +73,8 @@ TEST_F(SelectionEditorTest, GhostsWhatIsOnAndNothingElse) {
   editor_.set_mode(Index::kStem, kOff);
   editor_.ghost_others(Index::kGyrusLeft);
   EXPECT_THAT(leaf_modes(), testing::ElementsAre(kVolume, kSurface, kOff));
-  EXPECT_EQ(editor_.selection().structures[Index::kGyrusRight].opacity, kGhostOpacity);
-  EXPECT_EQ(editor_.selection().structures[Index::kGyrusLeft].opacity, std::nullopt);
+  EXPECT_TRUE(editor_.selection().structures[Index::kGyrusRight].ghost);
+  EXPECT_FALSE(editor_.selection().structures[Index::kGyrusLeft].ghost);
 }
 
 TEST_F(SelectionEditorTest, AppearancesSurviveAChangeOfModeButNotOff) {
