@@ -155,20 +155,4 @@ Result<View> view_of(const Camera& camera, const PictureSize& size, const Displa
   return View{plane, eye_mm};
 }
 
-Result<void> CutPlanes::add(const CutPlane& plane) {
-  const auto& [x, y, z] = plane.normal_lps;
-  const double length = std::hypot(x, y, z);
-  const bool is_valid = std::isfinite(length) && length > 0 && std::isfinite(plane.offset_mm / length);
-  if (!is_valid) {
-    return fail(ErrorCode::kUsage,
-                "cut: the plane {},{},{},{} must have finite numbers and a normal other than 0", x, y, z,
-                plane.offset_mm);
-  }
-  if (size_ == kMax) {
-    return fail(ErrorCode::kUsage, "cut: more than {} planes; remove some", kMax);
-  }
-  planes_[size_++] = plane;
-  return {};
-}
-
 }  // namespace splatlas

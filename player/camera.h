@@ -115,30 +115,4 @@ inline constexpr double kMinEyeDistanceMm = 1e-100;
 /// thread-safe.
 [[nodiscard]] Result<View> view_of(const Camera& camera, const PictureSize& size, const Display& display);
 
-/// Plane that removes all points p (LPS mm) with normal_lps * p > offset_mm.
-struct CutPlane {
-  Vec3 normal_lps{0, 0, 1};  ///< of any length above 0
-  double offset_mm = 0;      ///< in mm times the length of the normal
-  friend bool operator==(const CutPlane&, const CutPlane&) = default;
-};
-
-/// Up to six planes. A picture shows the intersection of the half spaces that they keep.
-class CutPlanes {
- public:
-  static constexpr std::size_t kMax = 6;
-
-  /// kUsage for a number that is not finite, a normal without a length, and a seventh plane.
-  [[nodiscard]] Result<void> add(const CutPlane& plane);
-
-  [[nodiscard]] bool empty() const { return size_ == 0; }
-  [[nodiscard]] std::size_t size() const { return size_; }
-  [[nodiscard]] const CutPlane* begin() const { return planes_.data(); }
-  [[nodiscard]] const CutPlane* end() const { return planes_.data() + size_; }
-  friend bool operator==(const CutPlanes&, const CutPlanes&) = default;
-
- private:
-  std::array<CutPlane, kMax> planes_{};
-  std::size_t size_ = 0;
-};
-
 }  // namespace splatlas

@@ -2,6 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <variant>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "format/result_macros.h"
+#include "format/text/ascii_text.h"
 
 namespace splatlas {
 namespace {
@@ -77,6 +85,48 @@ std::optional<LpsBox> bounding_box(const Atlas& atlas, const Selection& selectio
     }
   }
   return bounds;
+}
+
+namespace {
+
+/// Centre of the bounding box of the named structures' voxels.
+Result<Vec3> center_of(const std::string& name, const Atlas& atlas) {
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StructureIndex> named, atlas.graph().find_named(name));
+  Selection selection{std::vector<StructureDraw>(atlas.graph().size())};
+  for (const StructureIndex s : atlas.graph().descendants(named)) {
+    selection.structures[s].mode = DrawMode::kVolume;
+  }
+  const auto box = bounding_box(atlas, selection);
+  if (!box) return fail(ErrorCode::kFailed, "{} has no voxels; name another structure", in_quotes(name));
+  Vec3 center{};
+  for (std::size_t a = 0; a < 3; ++a) center[a] = 0.5 * (box->first[a] + box->last[a]);
+  return center;
+}
+
+}  // namespace
+
+Result<std::optional<Vec3>> center_of(const FrameCenter& center, const Atlas& atlas) {
+  if (const auto* point = std::get_if<Vec3>(&center)) return std::optional(*point);
+  const auto* name = std::get_if<std::string>(&center);
+  if (name == nullptr) return std::nullopt;
+  SPLATLAS_ASSIGN_OR_RETURN(const Vec3 point, center_of(*name, atlas));
+  return std::optional(point);
+}
+
+Result<SceneFraming> framing_of(const Scene& scene, const Atlas& atlas) {
+  const auto in_scene = [&](const Error& error) {
+    return Error{
+        error.code, fmt::format("{}: scene {}: {}", atlas.name(), in_quotes(scene.name), error.message), {}};
+  };
+  SceneFraming framing;
+  SPLATLAS_ASSIGN_OR_RETURN(framing.cuts, parse_cuts(scene.cuts).map_error(in_scene));
+  if (scene.center.empty()) return framing;
+  const auto center = parse_center(scene.center);
+  if (!center)
+    return fail(ErrorCode::kUsage, "{}: scene {}: centre {} is no point within reach", atlas.name(),
+                in_quotes(scene.name), in_quotes(scene.center));
+  SPLATLAS_ASSIGN_OR_RETURN(framing.center_lps_mm, center_of(*center, atlas).map_error(in_scene));
+  return framing;
 }
 
 }  // namespace splatlas

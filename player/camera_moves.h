@@ -1,10 +1,12 @@
-// Camera moves of interactive viewers: orbit, pan, zoom about a point; box of a selection. All functions are
-// thread-safe, and O(1) unless a comment gives their cost.
+// Camera moves of interactive viewers: orbit, pan, zoom about a point; box of a selection; cuts and centre of
+// a scene. All functions are thread-safe, and O(1) unless a comment gives their cost.
 #pragma once
 
 #include <optional>
 
 #include "format/atlas_reader.h"
+#include "format/content/cut_planes.h"
+#include "format/content/frame_center.h"
 #include "format/content/selection.h"
 #include "player/camera.h"
 
@@ -37,5 +39,19 @@ struct LpsBox {
 /// Bounding box of the voxels of the selected structures; none without voxels. Cost: the draw plan of the
 /// selection, and O(1) per selected class; reads nothing from the file.
 [[nodiscard]] std::optional<LpsBox> bounding_box(const Atlas& atlas, const Selection& selection);
+
+/// The point of a centre; none for that of the fit. kNotFound for unknown names; kFailed for structures
+/// without voxels. Thread-safe, linear in the classes.
+[[nodiscard]] Result<std::optional<Vec3>> center_of(const FrameCenter& center, const Atlas& atlas);
+
+/// What of a scene's view its numbers do not tell.
+struct SceneFraming {
+  CutPlanes cuts;
+  std::optional<Vec3> center_lps_mm;  ///< none: the middle of the selection
+};
+
+/// Reads the texts of a scene of this atlas. kUsage, kNotFound or kFailed for bad ones; messages name the
+/// atlas and the scene. Thread-safe.
+[[nodiscard]] Result<SceneFraming> framing_of(const Scene& scene, const Atlas& atlas);
 
 }  // namespace splatlas

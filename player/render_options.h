@@ -6,6 +6,7 @@
 #include <optional>
 #include <stop_token>
 
+#include "format/content/cut_planes.h"
 #include "format/content/grid.h"
 #include "player/camera.h"
 

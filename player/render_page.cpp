@@ -228,6 +228,10 @@ void PageRenderer::set_caption(std::string caption) {
   impl_->options.caption = std::move(caption);
 }
 
+void PageRenderer::set_cuts(const CutPlanes& cuts) {
+  impl_->options.render.cuts = cuts;
+}
+
 Result<Page> PageRenderer::render(Renderer& renderer, const Camera& camera, const RenderControl& control) {
   const PageOptions& options = impl_->options;
   impl_->title = one_line(options.caption.value_or(renderer.atlas().provenance().title));

@@ -52,6 +52,8 @@ class PageRenderer {
 
   /// Replaces the caption of the options.
   void set_caption(std::string caption);
+  /// Replaces the cuts of the options.
+  void set_cuts(const CutPlanes& cuts);
 
   /// Renders the renderer's selection. Fits it to the space that the annotations leave: for labels and a
   /// legend, a small draft render finds the visible structures first. The zoom of the camera multiplies that

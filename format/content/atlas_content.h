@@ -20,6 +20,9 @@ struct Scene {
   std::string caption;
   std::string selection;  ///< selection text (format/content/selection.h)
   double azimuth_deg = 0, elevation_deg = 0, zoom = 1;
+  std::string question = {};  ///< asked before the caption is shown; may be empty
+  std::string cuts = {};      ///< of parse_cuts()
+  std::string center = {};    ///< of parse_center(); empty: the middle of the selection
   friend bool operator==(const Scene&, const Scene&) = default;
 };
 

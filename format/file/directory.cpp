@@ -6,103 +6,11 @@
 #include <fmt/format.h>
 
 #include "format/file/directory_text.h"
+#include "format/file/schema_arrays.h"
 #include "format/result_macros.h"
 #include "schemas/atlas_generated.h"
 
 namespace splatlas {
-
-namespace {
-
-constexpr std::uint8_t kHasLabel = 1, kExternal = 2;
-
-template <std::size_t n, typename T, typename Source>
-std::array<T, n> to_array(const Source& source) {
-  std::array<T, n> values{};
-  for (std::size_t i = 0; i < n; ++i)
-    values[i] = static_cast<T>(source[static_cast<flatbuffers::uoffset_t>(i)]);
-  return values;
-}
-
-template <typename T, std::size_t n>
-flatbuffers::span<const T, n> to_span(const std::array<T, n>& values) {
-  return flatbuffers::span<const T, n>(values.data(), n);
-}
-
-TextWriter write_text(const Directory& directory) {
-  TextWriter text;
-  const Provenance& provenance = directory.provenance;
-  for (const auto* part : {&provenance.title, &provenance.citation, &provenance.licence, &provenance.tool}) {
-    text.add(*part);
-  }
-  for (const Structure& structure : directory.graph.structures()) {
-    text.add(structure.id);
-    text.add(structure.name);
-  }
-  for (const Scene& scene : directory.scenes) {
-    text.add(scene.name);
-    text.add(scene.caption);
-    text.add(scene.selection);
-  }
-  for (const Source& source : provenance.sources) {
-    text.add(source.role);
-    text.add(source.hash);
-  }
-  return text;
-}
-
-struct StructureTable {
-  std::vector<schema::Structure> structures;
-  std::vector<std::uint32_t> parents;
-  std::vector<std::uint32_t> terms_end;
-  TextWriter term_text;
-};
-
-StructureTable write_structures(const StructureGraph& graph) {
-  StructureTable table;
-  for (const Structure& s : graph.structures()) {
-    table.parents.insert(table.parents.end(), s.parents.begin(), s.parents.end());
-    const std::array<std::uint8_t, 3> rgb{s.color.r, s.color.g, s.color.b};
-    const int flags = (s.label ? kHasLabel : 0) | (s.external ? kExternal : 0);
-    table.structures.emplace_back(s.label.value_or(0), static_cast<std::uint32_t>(table.parents.size()),
-                                  to_span(rgb), static_cast<std::uint8_t>(flags));
-    for (const Term& term : s.terms) {
-      table.term_text.add(term.vocabulary);
-      table.term_text.add(term.value);
-    }
-    table.terms_end.push_back(static_cast<std::uint32_t>(table.term_text.ends().size() / 2));
-  }
-  return table;
-}
-
-struct ClassRows {
-  std::vector<schema::Class> classes;
-  std::vector<std::uint32_t> members;
-};
-
-ClassRows write_classes(const Directory& directory) {
-  ClassRows rows;
-  for (ClassId c = 0; c < directory.classes.size(); ++c) {
-    for (const Membership& member : directory.classes.members(c)) {
-      rows.members.push_back(member.structure * 4 + static_cast<std::uint32_t>(member.part));
-    }
-    const IndexBox& box = directory.classes.box(c);
-    const auto first = to_array<3, std::int32_t>(box.first), last = to_array<3, std::int32_t>(box.last);
-    rows.classes.emplace_back(directory.classes.voxels(c), to_span(first), to_span(last),
-                              to_span(directory.run_bytes[c]),
-                              static_cast<std::uint32_t>(rows.members.size()));
-  }
-  return rows;
-}
-
-template <typename Row, typename Entry, typename Convert>
-std::vector<Row> convert_rows(const std::vector<Entry>& entries, Convert&& convert) {
-  std::vector<Row> rows;
-  rows.reserve(entries.size());
-  for (const Entry& entry : entries) rows.push_back(convert(entry));
-  return rows;
-}
-
-}  // namespace
 
 std::string section_name(std::uint32_t kind) {
   switch (static_cast<SectionKind>(kind)) {
@@ -123,54 +31,6 @@ bool has_normals(const ClassTable& classes, ClassId c) {
 
 bool stores_normals(const Directory& directory, ClassId c) {
   return has_normals(directory.classes, c) && !directory.normals_fitted[c];
-}
-
-Result<std::vector<std::byte>> encode_directory(const Directory& directory) {
-  const Grid& grid = directory.source_grid;
-  const schema::Grid grid_row(to_span(grid.spacing_mm), to_span(grid.origin_lps_mm),
-                              to_span(grid.direction_lps), to_span(grid.size));
-  const auto flipped = to_array<3, std::uint8_t>(directory.source_to_storage.flipped);
-  const schema::AxisOrder order_row(to_span(directory.source_to_storage.from), to_span(flipped));
-  const Display& display = directory.display;
-  const schema::Display display_row(display.window_low, display.window_high, to_span(display.center_lps_mm),
-                                    display.radius_mm);
-  const schema::RunTotals totals_row(to_span(directory.run_totals));
-  const TextWriter text = write_text(directory);
-  const StructureTable structures = write_structures(directory.graph);
-  const ClassRows classes = write_classes(directory);
-  const auto surfaces = convert_rows<schema::Surface>(directory.surfaces, [](const SurfaceEntry& s) {
-    return schema::Surface(s.vertices, s.triangles, s.position_scale, s.bytes);
-  });
-  const auto scenes = convert_rows<schema::Scene>(
-      directory.scenes, [](const Scene& s) { return schema::Scene(s.azimuth_deg, s.elevation_deg, s.zoom); });
-  const auto sections = convert_rows<schema::Section>(directory.sections, [](const SectionEntry& s) {
-    return schema::Section(s.kind, s.chunks, s.chunk_bytes, s.shared_bytes);
-  });
-  const auto chunks = convert_rows<schema::Chunk>(directory.chunks, [](const ChunkEntry& c) {
-    return schema::Chunk(c.checksum, c.stored_bytes, static_cast<std::uint8_t>(c.codec), c.filter, 0);
-  });
-
-  const bool has_terms = !structures.term_text.ends().empty();
-  flatbuffers::FlatBufferBuilder builder;
-  builder.Finish(
-      schema::CreateDirectory(
-          builder, &grid_row, &order_row, static_cast<std::uint8_t>(directory.value_type),
-          static_cast<std::uint8_t>(directory.label_type), &display_row, &totals_row,
-          builder.CreateVectorOfStructs(structures.structures), builder.CreateVector(structures.parents),
-          builder.CreateVectorOfStructs(surfaces), builder.CreateVectorOfStructs(classes.classes),
-          builder.CreateVector(classes.members), builder.CreateVectorOfStructs(scenes),
-          static_cast<std::uint32_t>(directory.provenance.sources.size()), builder.CreateVector(text.ends()),
-          builder.CreateVector(text.bytes()), builder.CreateVectorOfStructs(sections),
-          builder.CreateVectorOfStructs(chunks),
-          builder.CreateVector(
-              std::vector<std::uint8_t>(directory.normals_fitted.begin(), directory.normals_fitted.end())),
-          builder.CreateVector(directory.fingerprints),
-          has_terms ? builder.CreateVector(structures.terms_end) : 0,
-          has_terms ? builder.CreateVector(structures.term_text.ends()) : 0,
-          has_terms ? builder.CreateVector(structures.term_text.bytes()) : 0),
-      schema::DirectoryIdentifier());
-  const auto* begin = reinterpret_cast<const std::byte*>(builder.GetBufferPointer());
-  return std::vector<std::byte>(begin, begin + builder.GetSize());
 }
 
 namespace {
@@ -206,6 +66,18 @@ Result<void> check_terms(const schema::Directory& d) {
   return {};
 }
 
+/// Further texts of scenes are in both tables, or in none.
+Result<void> check_scene_text(const schema::Directory& d) {
+  if (d.scene_text_ends() == nullptr && d.scene_text() == nullptr) return {};
+  const auto value = [](const auto& rows, auto n) { return rows.Get(n); };
+  if (d.scene_text_ends() == nullptr || d.scene_text() == nullptr ||
+      d.scene_text_ends()->size() != 3 * std::uint64_t{d.scenes()->size()} ||
+      !ends_are_valid(*d.scene_text_ends(), value, d.scene_text()->size())) {
+    return invalid_atlas("invalid: inconsistent offsets of directory text of scenes");
+  }
+  return {};
+}
+
 Result<void> check_tables(const schema::Directory& d) {
   if (!is_aligned(*d.structures()) || !is_aligned(*d.surfaces()) || !is_aligned(*d.classes()) ||
       !is_aligned(*d.scenes()) || !is_aligned(*d.sections()) || !is_aligned(*d.chunks()) ||
@@ -222,6 +94,7 @@ Result<void> check_tables(const schema::Directory& d) {
     return invalid_atlas("invalid: inconsistent offsets of directory text");
   }
   SPLATLAS_RETURN_IF_ERROR(check_terms(d));
+  SPLATLAS_RETURN_IF_ERROR(check_scene_text(d));
   const auto parents_end = [](const auto& rows, auto n) { return rows.Get(n)->parents_end(); };
   if (!ends_are_valid(*d.structures(), parents_end, d.parents()->size())) {
     return invalid_atlas("invalid: inconsistent offsets of directory table of parents");
@@ -270,8 +143,8 @@ Result<StructureGraph> read_structures(const schema::Directory& d, TextReader& t
     s.name = text.next();
     const auto rgb = to_array<3, std::uint8_t>(*row.color_rgb());
     s.color = {rgb[0], rgb[1], rgb[2]};
-    if ((row.flags() & kHasLabel) != 0) s.label = row.label();
-    s.external = (row.flags() & kExternal) != 0;
+    if ((row.flags() & kFlagLabel) != 0) s.label = row.label();
+    s.external = (row.flags() & kFlagExternal) != 0;
     for (; parent < row.parents_end(); ++parent) s.parents.push_back(d.parents()->Get(parent));
   }
   read_terms(d, structures);
@@ -315,6 +188,12 @@ void read_scenes_and_sources(const schema::Directory& d, TextReader& text, Direc
   for (const schema::Scene* row : *d.scenes()) {
     Scene scene{text.next(), text.next(), text.next(), row->azimuth_deg(), row->elevation_deg(), row->zoom()};
     directory.scenes.push_back(std::move(scene));
+  }
+  if (d.scene_text() != nullptr) {
+    TextReader scene_text(*d.scene_text_ends(), *d.scene_text());
+    for (Scene& scene : directory.scenes) {
+      for (auto* part : {&scene.question, &scene.cuts, &scene.center}) *part = scene_text.next();
+    }
   }
   for (std::uint32_t n = 0; n < d.sources(); ++n) {
     directory.provenance.sources.push_back({text.next(), text.next()});

@@ -49,7 +49,8 @@ Result<void> check_texts(const Directory& d) {
   }
   for (std::size_t n = 0; n < d.scenes.size(); ++n) {
     const Scene& scene = d.scenes[n];
-    for (const auto* text : {&scene.name, &scene.caption, &scene.selection}) {
+    for (const auto* text :
+         {&scene.name, &scene.caption, &scene.selection, &scene.question, &scene.cuts, &scene.center}) {
       SPLATLAS_RETURN_IF_ERROR(check_text(*text, [n] { return fmt::format("text of scene {}", n); }));
     }
     if (!all_finite({scene.azimuth_deg, scene.elevation_deg, scene.zoom}) || !(scene.zoom > 0)) {

@@ -2,7 +2,10 @@
 // and escaping of text for messages.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <charconv>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -32,6 +35,20 @@ template <typename Number>
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
   return number;
+}
+
+/// Parses exactly n numbers with commas between them, each as by parse_number().
+template <std::size_t n>
+[[nodiscard]] std::optional<std::array<double, n>> parse_numbers(std::string_view text) {
+  std::array<double, n> numbers{};
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t end = i + 1 < n ? text.find(',') : text.size();
+    const auto number = parse_number<double>(text.substr(0, end));
+    if (!number || end == std::string_view::npos) return std::nullopt;
+    numbers[i] = *number;
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return numbers;
 }
 
 /// C0 and C1 control characters and delete, except line feed and tab. Terminals interpret both sets.

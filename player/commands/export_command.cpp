@@ -58,6 +58,7 @@ struct Opening {
   std::string select = kEverything, caption = {};
   Camera camera = {};
   double zoom = 1;
+  SceneFraming framing = {};
   std::optional<std::size_t> scene = std::nullopt;
 };
 
@@ -82,8 +83,9 @@ Result<Opening> opening_of(const ExportRequest& request, const Atlas& atlas) {
                             find_scene(request.scene.empty() ? scenes.front().name : request.scene, atlas));
   opening.scene = std::ranges::find(scenes, scene.name, &Scene::name) - scenes.begin();
   opening.select = scene.selection;
-  opening.caption = scene.caption;
+  opening.caption = scene.question.empty() ? scene.caption : scene.question;
   opening.zoom = scene.zoom;
+  SPLATLAS_ASSIGN_OR_RETURN(opening.framing, framing_of(scene, atlas));
   if (!request.names_view) {
     opening.camera.azimuth_deg = scene.azimuth_deg;
     opening.camera.elevation_deg = scene.elevation_deg;
@@ -110,9 +112,11 @@ Result<std::vector<std::byte>> draw(const std::shared_ptr<const Atlas>& atlas, O
   if (!selection) return fail(selection.error().code, "{}: {}", atlas->name(), selection.error().message);
   Renderer renderer(atlas, {.max_memory_bytes = kModuleMemory});
   SPLATLAS_RETURN_IF_ERROR(renderer.select(*selection));
-  const RenderOptions options{.size = kOpeningSize, .depth_cue = DepthCue::kEdges};
+  const RenderOptions options{
+      .size = kOpeningSize, .depth_cue = DepthCue::kEdges, .cuts = opening.framing.cuts};
   SPLATLAS_ASSIGN_OR_RETURN(opening.camera, renderer.fit(opening.camera, options));
   opening.camera = zoomed(opening.camera, opening.zoom);
+  if (opening.framing.center_lps_mm) opening.camera.center_lps_mm = opening.framing.center_lps_mm;
   SPLATLAS_ASSIGN_OR_RETURN(const Frame frame, renderer.render(opening.camera, options));
   return encode_webp(frame.picture);
 }

@@ -21,6 +21,7 @@
 #include "format/tasks/task_control.h"
 #include "format/text/ascii_text.h"
 #include "format/text/json_text.h"
+#include "player/camera_moves.h"
 #include "player/commands/annotate_options.h"
 #include "player/files/picture_encoder.h"
 #include "player/web/render_warnings.h"
@@ -37,6 +38,7 @@ constexpr const char* kFooter =
     "#17 in place of NAME is the structure with label 17; rest is everything that no other term names.\n"
     "The default mode is volume; 'both' is a volume with its surface.\n"
     "Options; the last four are for volumes only:\n"
+    "  ghost                  of surfaces: one thin grey hull of all in the term, denser at its rim\n"
     "  opacity=0.4            of a surface, or of one voxel of a volume: above 0, at most 1\n"
     "  color=#ff8800\n"
     "  low=40, high=160       grey values between which a volume rises to its opacity\n"
@@ -85,35 +87,6 @@ std::optional<double> parse_angle(std::string_view text) {
 std::optional<double> parse_zoom(std::string_view text) {
   const auto zoom = parse_number<double>(text);
   return zoom && *zoom >= kMinZoom && *zoom <= kMaxZoom ? zoom : std::nullopt;
-}
-
-constexpr const char* kCutForms =
-    "must be SIDE=MM (left, right, anterior, posterior, superior or inferior) or NX,NY,NZ,D, in LPS mm";
-
-/// Parses SIDE=MM or NX,NY,NZ,D.
-std::optional<CutPlane> parse_cut(std::string_view text) {
-  static constexpr std::array<std::pair<std::string_view, Vec3>, 6> kSides{{{"left", {1, 0, 0}},
-                                                                            {"right", {-1, 0, 0}},
-                                                                            {"anterior", {0, -1, 0}},
-                                                                            {"posterior", {0, 1, 0}},
-                                                                            {"superior", {0, 0, 1}},
-                                                                            {"inferior", {0, 0, -1}}}};
-  if (const std::size_t equals = text.find('='); equals != std::string_view::npos) {
-    const auto side =
-        std::ranges::find(kSides, text.substr(0, equals), &std::pair<std::string_view, Vec3>::first);
-    const auto mm = parse_number<double>(text.substr(equals + 1));
-    if (side == kSides.end() || !mm) return std::nullopt;
-    return CutPlane{side->second, *mm};
-  }
-  std::array<double, 4> numbers{};
-  for (std::size_t n = 0; n < numbers.size(); ++n) {
-    const std::size_t comma = n + 1 < numbers.size() ? text.find(',') : text.size();
-    const auto number = parse_number<double>(text.substr(0, comma));
-    if (!number || comma == std::string_view::npos) return std::nullopt;
-    numbers[n] = *number;
-    text.remove_prefix(std::min(comma + 1, text.size()));
-  }
-  return CutPlane{{numbers[0], numbers[1], numbers[2]}, numbers[3]};
 }
 
 void add_cuts(CLI::App& command, RenderOptions& options, bool& names_caps) {
@@ -287,7 +260,7 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
   CLI::Option* scene =
       add_parsed(
           *command, "--scene", request.scene, name, "must name a scene",
-          "a named view of the atlas: its selection, direction, zoom and caption; other options are as given")
+          "a named view of the atlas: its selection, camera, cuts and caption; other options are as given")
           ->excludes(select);
   add_parsed(
       *command, "--size", request.page.render.size, parse_size,
@@ -333,6 +306,38 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
   return command;
 }
 
+namespace {
+
+/// What a picture shows.
+struct Shown {
+  std::string select, caption;
+  Camera camera;  ///< its zoom is relative to the fit
+  CutPlanes cuts;
+};
+
+/// What the scene tells, and the options in its place where they are given.
+Result<Shown> shown_by(const RenderRequest& request, const Atlas& atlas) {
+  Shown shown{.select = request.select, .caption = {}, .camera = request.camera, .cuts = {}};
+  if (!request.scene.empty()) {
+    SPLATLAS_ASSIGN_OR_RETURN(const Scene scene, find_scene(request.scene, atlas));
+    SPLATLAS_ASSIGN_OR_RETURN(const SceneFraming framing, framing_of(scene, atlas));
+    shown.select = scene.selection;
+    shown.caption = scene.caption;
+    shown.cuts = framing.cuts;
+    shown.camera.azimuth_deg = scene.azimuth_deg;
+    shown.camera.elevation_deg = scene.elevation_deg;
+    shown.camera.zoom *= scene.zoom;
+    shown.camera.center_lps_mm = framing.center_lps_mm;
+  }
+  if (!request.page.render.cuts.empty()) shown.cuts = request.page.render.cuts;
+  const Result<std::optional<Vec3>> center = center_of(request.center, atlas);
+  if (!center) return fail(center.error().code, "{}: --center: {}", atlas.name(), center.error().message);
+  if (*center) shown.camera.center_lps_mm = *center;
+  return shown;
+}
+
+}  // namespace
+
 Result<RenderReport> run_render(const RenderRequest& request, const RenderControl& control) {
   // Report errors that do not need the atlas before opening it
   PageOptions options = request.page;
@@ -352,33 +357,25 @@ Result<RenderReport> run_render(const RenderRequest& request, const RenderContro
   const TaskControl task({}, {}, &atlas->work_budget());  // of all steps together
   const double open_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  Camera camera = request.camera;
-  std::string text = request.select;
-  if (!request.scene.empty()) {
-    SPLATLAS_ASSIGN_OR_RETURN(const Scene scene, find_scene(request.scene, *atlas));
-    text = scene.selection;
-    camera.azimuth_deg = scene.azimuth_deg;
-    camera.elevation_deg = scene.elevation_deg;
-    camera.zoom *= scene.zoom;
-    if (!options.caption && !scene.caption.empty()) pages.set_caption(scene.caption);
-  }
-  SPLATLAS_ASSIGN_OR_RETURN(const auto terms, parse_selection(text));
+  SPLATLAS_ASSIGN_OR_RETURN(const Shown shown, shown_by(request, *atlas));
+  pages.set_cuts(shown.cuts);
+  if (!options.caption && !shown.caption.empty()) pages.set_caption(shown.caption);
+  SPLATLAS_ASSIGN_OR_RETURN(const auto terms, parse_selection(shown.select));
   const Result<Selection> selection = resolve_selection(terms, atlas->graph());
   if (!selection) return fail(selection.error().code, "{}: {}", atlas->name(), selection.error().message);
   RenderReport report;
   SPLATLAS_ASSIGN_OR_RETURN(report.warnings, selection_warnings(terms, *atlas));
-  SPLATLAS_ASSIGN_OR_RETURN(camera.center_lps_mm, center_of(request.center, *atlas));
   Renderer renderer(atlas, request.renderer);
   SPLATLAS_RETURN_IF_ERROR(renderer.select(*selection));
 
   // Render and write
-  SPLATLAS_ASSIGN_OR_RETURN(Page page, pages.render(renderer, camera, control).map_error(with_option));
+  SPLATLAS_ASSIGN_OR_RETURN(Page page, pages.render(renderer, shown.camera, control).map_error(with_option));
   const std::string nothing = emptiness_of(page.frame);
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> picture, pages.encode(page));
   SPLATLAS_RETURN_IF_ERROR(
       write_outputs(request, picture, json_text(stats_json(page.frame, *atlas, open_ms)), page.frame));
   if (!nothing.empty()) report.warnings.push_back(nothing);
-  if (request.names_caps && request.page.render.cuts.empty())
+  if (request.names_caps && shown.cuts.empty())
     report.warnings.emplace_back("--cap has no effect without --cut");
   report.notes = std::move(page.annotations.notes);
   for (const MissingPart& part : page.frame.missing) report.missing.push_back(describe(part, atlas->graph()));

@@ -4,6 +4,7 @@
 
 #include "format/text/json_text.h"
 #include "player/camera.h"
+#include "player/camera_moves.h"
 
 namespace splatlas {
 namespace {
@@ -59,6 +60,19 @@ std::vector<SubtreeCounts> counts_of(const Atlas& atlas) {
   return subtree_counts(atlas.graph(), atlas.classes(), atlas.tree(), triangles);
 }
 
+/// Cuts and centre of a scene with bad texts are left out.
+Json scene_json(const Scene& scene, const Atlas& atlas) {
+  Json json{{"name", scene.name},        {"question", scene.question},   {"caption", scene.caption},
+            {"select", scene.selection}, {"azimuth", scene.azimuth_deg}, {"elevation", scene.elevation_deg},
+            {"zoom", scene.zoom},        {"cuts", Json::array()}};
+  const auto framing = framing_of(scene, atlas);
+  if (!framing) return json;
+  for (const CutPlane& cut : framing->cuts)
+    json["cuts"].push_back({{"normal", cut.normal_lps}, {"offset", cut.offset_mm}});
+  if (framing->center_lps_mm) json["center"] = *framing->center_lps_mm;
+  return json;
+}
+
 std::string info_json(const Atlas& atlas) {
   Json json{{"format_version", atlas.format_version()}, {"file_bytes", atlas.counters().file},
             {"grid", grid_json(atlas.source_grid())},   {"storage_grid", grid_json(atlas.grid())},
@@ -78,14 +92,7 @@ std::string info_json(const Atlas& atlas) {
   json["display"] = display_json(atlas.display());
   json["views"] = views_json();
   json["scenes"] = Json::array();
-  for (const Scene& scene : atlas.scenes()) {
-    json["scenes"].push_back({{"name", scene.name},
-                              {"caption", scene.caption},
-                              {"select", scene.selection},
-                              {"azimuth", scene.azimuth_deg},
-                              {"elevation", scene.elevation_deg},
-                              {"zoom", scene.zoom}});
-  }
+  for (const Scene& scene : atlas.scenes()) json["scenes"].push_back(scene_json(scene, atlas));
   const Provenance& provenance = atlas.provenance();
   json["provenance"] = {{"title", provenance.title},
                         {"citation", provenance.citation},

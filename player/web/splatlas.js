@@ -98,14 +98,15 @@ class Splatlas {
   }
 
   /** Mode, opacity and colour of every structure in the selection, by index.
-   * @returns {Array[]} ['surface', 0.4, '#c0392b'] or ['off']; the opacity is null where it is the default */
+   * @returns {Array[]} ['surface', 0.4, '#c0392b'] or ['off']; a surface
+   *   may be a 'ghost'; the opacity is null where it is the default */
   drawn() {
     return this.#answer('drawn');
   }
 
   /** Shows a scene of the atlas, as `splatlas-player render --scene`: selects, turns and fits the camera.
    * @param {number} n index in info().scenes
-   * @returns {{name: string, caption: string, select: string, camera: object, warnings: string[]}} */
+   * @returns {{name: string, question: string, caption: string, select: string, camera: object, warnings: string[]}} */
   scene(n, width, height) {
     const scene = this.#answer('scene', n, width, height);
     this.camera = scene.camera;

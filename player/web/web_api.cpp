@@ -90,7 +90,8 @@ Result<Json> select(Renderer& renderer, std::string_view text) {
 Json drawn_json(const Selection& selection) {
   Json json = Json::array();
   for (const StructureDraw& draw : selection.structures) {
-    Json entry = Json::array({name_of(draw.mode)});
+    const bool is_ghost = draw.mode == DrawMode::kSurface && draw.ghost;
+    Json entry = Json::array({is_ghost ? "ghost" : name_of(draw.mode)});
     if (draw.mode != DrawMode::kOff) {
       entry.push_back(draw.opacity ? Json(*draw.opacity) : Json());
       entry.push_back(to_hex(draw.color));
@@ -128,9 +129,13 @@ Result<std::string> show_scene(std::uint32_t n, const PictureSize& size) {
     return fail(ErrorCode::kNotFound, "scene {}: the atlas has {} scenes", n, scenes.size());
   const Scene& scene = scenes[n];
   SPLATLAS_ASSIGN_OR_RETURN(const Json warnings, select(*renderer, scene.selection));
+  SPLATLAS_ASSIGN_OR_RETURN(const SceneFraming framing, framing_of(scene, renderer->atlas()));
   player().camera = {.azimuth_deg = scene.azimuth_deg, .elevation_deg = scene.elevation_deg};
+  player().options.cuts = framing.cuts;
   SPLATLAS_RETURN_IF_ERROR(fit(*renderer, size, std::nullopt, scene.zoom));
+  if (framing.center_lps_mm) player().camera.center_lps_mm = framing.center_lps_mm;
   return line_of({{"name", scene.name},
+                  {"question", scene.question},
                   {"caption", scene.caption},
                   {"select", scene.selection},
                   {"camera", camera_json(player().camera)},

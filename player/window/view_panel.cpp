@@ -161,7 +161,8 @@ void draw_scene(const Session& session, const ViewArea& area, const Fonts& fonts
   const std::vector<Scene>& scenes = session.atlas().scenes();
   const Scene& scene = scenes[*session.scene()];
   std::string text = fmt::format("{}/{}  {}", *session.scene() + 1, scenes.size(), scene.name);
-  if (!scene.caption.empty()) text += "\n" + scene.caption;
+  const std::string& line = session.asks() ? scene.question : scene.caption;
+  if (!line.empty()) text += "\n" + line;
   ImGui::PushFont(fonts.large);
   const float gap = ImGui::GetFontSize() * 0.5f, width = area.size.x - 2 * gap;
   const float height = ImGui::CalcTextSize(text.c_str(), nullptr, false, width).y;

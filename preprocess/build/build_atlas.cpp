@@ -104,7 +104,7 @@ Result<AtlasContent> build_content(SourceModel model, const std::string& labels,
       PlacedStructures placed,
       build_graph(model.structures, model.tree, model.tree_file.empty() ? labels : model.tree_file, notes));
   for (const SceneFile& file : scenes) {
-    SPLATLAS_RETURN_IF_ERROR(check_selections(file, placed.graph));
+    SPLATLAS_RETURN_IF_ERROR(check_names(file, placed.graph));
     content.scenes.insert(content.scenes.end(), file.scenes.begin(), file.scenes.end());
   }
 

@@ -59,11 +59,29 @@ TEST_F(Scenes, AreDrawnAsTheirOptionsWould) {
   EXPECT_THAT(read_bytes(folder.file("d.svg")), HasSubstr(">Mine</text>"));
 }
 
+TEST_F(Scenes, CutAndCentre) {
+  write(
+      "cut.toml",
+      "[[scene]]\nname = \"Cut\"\nselect = \"*:volume\"\nzoom = 1.5\ncenter = \"#2\"\ncuts = [\"left=0.5\", "
+      "\"0,0,1,2\"]\n");
+  ASSERT_EQ(build({"--scene", "cut.toml"}).status, 0);
+  ASSERT_EQ(render({"-o", "a.png", "--scene", "Cut"}).status, 0);
+  ASSERT_EQ(render({"-o", "b.png", "--select", "*:volume", "--zoom", "1.5", "--center", "#2", "--cut",
+                    "left=0.5", "--cut", "0,0,1,2"})
+                .status,
+            0);
+  EXPECT_TRUE(read_bytes(folder.file("a.png")) == read_bytes(folder.file("b.png")));
+  ASSERT_EQ(render({"-o", "c.png", "--scene", "Cut", "--cut", "left=0.5"}).status, 0);
+  EXPECT_FALSE(read_bytes(folder.file("a.png")) == read_bytes(folder.file("c.png")));
+}
+
 TEST_F(Scenes, TellWhatIsWrong) {
   write("stale.toml", "[[scene]]\nname = \"A\"\nselect = \"Liver\"\n");
+  write("nowhere.toml", "[[scene]]\nname = \"A\"\nselect = \"*\"\ncenter = \"Liver\"\n");
   write("same.toml", "[[scene]]\nname = \"two slabs\"\nselect = \"*\"\n");
   for (const auto& [options, message] :
        {std::pair<Words, std::string>{{"--scene", "stale.toml"}, "stale.toml: scene \"A\": "},
+        {{"--scene", "nowhere.toml"}, "nowhere.toml: scene \"A\": "},
         {{"--scene", "none.toml"}, "none.toml"},
         {{"--scene", "lesson.toml", "--scene", "same.toml"},
          "same.toml: scene \"two slabs\": another file has one of this name"}}) {

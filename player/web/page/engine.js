@@ -15,7 +15,7 @@ function bytesOfBase64(text) {
   return Uint8Array.from(atob(text), character => character.charCodeAt(0));
 }
 
-/** Draws the newest state by workers. Calls the handlers {ready, picture, drawn, picked, error, stopped}. */
+/** Draws the newest state by workers. Calls the handlers {ready, picture, drawn, picked, measured, error, stopped}. */
 class Engine {
   #handlers;
   #module = null;
@@ -61,6 +61,11 @@ class Engine {
     this.#workers[0].postMessage({type: 'pick', serial: this.#serial, state: this.#state, u, v});
   }
 
+  /** Asks for the zoom at which the selection fits the picture. */
+  measure() {
+    this.#workers[0].postMessage({type: 'measure', serial: this.#serial, state: this.#state});
+  }
+
   #begin(n) {
     const worker = new Worker(this.#source);
     worker.onmessage = ({data}) => this.#receive(n, data);
@@ -82,6 +87,7 @@ class Engine {
     }
     if (n === 0 && message.drawn) this.#handlers.drawn(message.drawn);
     if (message.type === 'picked') return this.#handlers.picked(message.picked);
+    if (message.type === 'measured') return this.#handlers.measured(message.zoom);
     if (message.serial !== this.#serial) return this.#takeOld(message);
     if (message.type === 'error') return this.#handlers.error(message.message);
     this.#restarts = 0;

@@ -1,6 +1,11 @@
 // The state of the page: structures, selection, cuts and undo. Part of the page's script.
 'use strict';
 
+const kMaxCuts = 6;
+const kOpacities = {surface: 1, ghost: 0.7, volume: 0.3, both: 0.3};  // where the selection gives none
+
+const isAcross = ({normal}, axis) => normal.every((component, a) => (component !== 0) === (a === axis));
+
 /** What the page shows. The selection is a text, from a scene or a link, and edits of single subtrees behind it. */
 class Model {
   #undo = [];
@@ -20,7 +25,8 @@ class Model {
     this.parents = this.structures.map(structure => structure.parents.map(id => indices.get(id)));
     /** Mode, opacity and colour of every structure, as the module has drawn it; see Splatlas.drawn(). */
     this.drawn = this.structures.map(() => ['off']);
-    this.state = {base: '*', edits: [], cuts: [null, null, null], scene: null};
+    /** Cuts as the module takes them; whether the scene shows its question. */
+    this.state = {base: '*', edits: [], cuts: [], scene: null, isAsking: false};
   }
 
   children(index) {
@@ -46,7 +52,7 @@ class Model {
     return names;
   }
 
-  /** The mode of a subtree: 'off', 'surface', 'volume', 'both' or 'mixed'. */
+  /** The mode of a subtree: 'off', 'surface', 'ghost', 'volume', 'both' or 'mixed'. */
   mode(index) {
     const modes = new Set(this.leaves(index).map(leaf => this.drawn[leaf][0]));
     return modes.size === 1 ? modes.values().next().value : 'mixed';
@@ -57,7 +63,7 @@ class Model {
     const leaf = this.leaves(index).find(structure => this.drawn[structure][0] !== 'off');
     if (leaf === undefined) return {opacity: null, color: this.structures[index].color};
     const [mode, opacity, color] = this.drawn[leaf];
-    return {opacity: opacity ?? (mode === 'surface' ? 1 : 0.3), color};
+    return {opacity: opacity ?? kOpacities[mode], color};
   }
 
   /** The selection as text of `splatlas-player render --select`. */
@@ -71,18 +77,30 @@ class Model {
     const name = `"${this.structures[index].id}"`;
     const removal = isFirst ? '' : ` - ${name}`;
     if (mode === 'off') return removal;
-    const options = [opacity === null ? '' : `opacity=${opacity}`, color === null ? '' : `color=${color}`];
+    const isGhost = mode === 'ghost';
+    const options = [isGhost ? 'ghost' : '', opacity === null ? '' : `opacity=${opacity}`, color === null ? '' : `color=${color}`];
     const listed = options.filter(option => option !== '').join(',');
-    return `${removal} ${isFirst ? '' : '+ '}${name}:${mode}${listed === '' ? '' : `(${listed})`}`;
+    return `${removal} ${isFirst ? '' : '+ '}${name}:${isGhost ? 'surface' : mode}${listed === '' ? '' : `(${listed})`}`;
   }
 
-  /** The cuts as the module takes them. A cut is null or {offset, isFlipped}, one for each axis of LPS. */
-  cutPlanes() {
-    return this.state.cuts.flatMap((cut, axis) => {
-      if (cut === null) return [];
-      const sign = cut.isFlipped ? -1 : 1;
-      return [{normal: [0, 1, 2].map(a => (a === axis ? sign : 0)), offset: sign * cut.offset}];
-    });
+  /** The cut across an axis of LPS, {offset, isFlipped}; null: none. */
+  cutAcross(axis) {
+    const plane = this.state.cuts.find(cut => isAcross(cut, axis));
+    return plane ? {offset: plane.offset / plane.normal[axis], isFlipped: plane.normal[axis] < 0} : null;
+  }
+
+  /** Replaces the cut across an axis of LPS. */
+  setCutAcross(axis, cut, camera, gesture) {
+    const others = this.state.cuts.filter(plane => !isAcross(plane, axis));
+    const sign = cut?.isFlipped ? -1 : 1;
+    const planes = cut ? [{normal: [0, 1, 2].map(a => (a === axis ? sign : 0)), offset: sign * cut.offset}] : [];
+    this.change({cuts: [...planes, ...others].slice(0, kMaxCuts)}, camera, gesture);
+  }
+
+  /** The state that shows a scene. */
+  sceneState(n) {
+    const {select, cuts, question} = this.info.scenes[n];
+    return {base: select, edits: [], cuts, scene: n, isAsking: question !== ''};
   }
 
   /** Changes the state. Steps with the same gesture in succession are one step of undo. */
@@ -116,7 +134,7 @@ class Model {
   setMode(index, mode, camera) {
     const {opacity, color} = this.appearance(index);
     const isOn = this.mode(index) !== 'off';
-    const hasOneColor = isOn && this.#children[index].length === 0;
+    const hasOneColor = isOn && this.#children[index].length === 0 && ![mode, this.mode(index)].includes('ghost');
     const keeps = hasOneColor && this.mode(index) === mode;
     const edit = {
       index, mode, opacity: keeps ? opacity : null,
@@ -131,8 +149,9 @@ class Model {
     const edits = parts.map(part => {
       const {opacity, color} = this.appearance(part);
       const isGroup = this.#children[part].length > 0;
-      const keptColor = isGroup || color === this.structures[part].color ? null : color;
-      return {index: part, mode: this.mode(part), opacity, color: keptColor, ...change};
+      const mode = this.mode(part);
+      const isOwnColor = mode !== 'ghost' && (isGroup || color === this.structures[part].color);
+      return {index: part, mode, opacity, color: isOwnColor ? null : color, ...change};
     });
     if (edits.length > 0) this.change({edits: this.#edited(edits)}, camera, `${index} ${Object.keys(change)}`);
   }
@@ -141,7 +160,8 @@ class Model {
   #uniformParts(index) {
     const mode = this.mode(index);
     if (mode === 'off') return [];
-    const colors = new Set(this.leaves(index).map(leaf => this.drawn[leaf][2] === this.structures[leaf].color));
+    const colors = new Set(this.leaves(index).map(leaf =>
+      mode === 'ghost' || this.drawn[leaf][2] === this.structures[leaf].color));
     const isUniform = mode !== 'mixed' && (colors.size === 1 && colors.has(true) || this.#children[index].length === 0);
     return isUniform ? [index] : this.#children[index].flatMap(child => this.#uniformParts(child));
   }
@@ -151,8 +171,10 @@ class Model {
     const parts = this.#uniformParts(index);
     const edits = parts.map(part => {
       const {opacity, color} = this.appearance(part);
+      const mode = this.mode(part);
+      if (mode === 'ghost') return {index: part, mode: 'surface', opacity: null, color: null};
       return {
-        index: part, mode: this.mode(part), opacity: this.mode(part) === 'surface' ? 1 : opacity,
+        index: part, mode, opacity: mode === 'surface' ? 1 : opacity,
         color: color !== this.structures[part].color && this.#children[part].length === 0 ? color : null,
       };
     });

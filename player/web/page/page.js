@@ -7,7 +7,7 @@ const kMessageMs = 8000;
 const kKeys = [
   ['Arrows', 'turn (in the picture)'], ['Shift + arrows', 'move'], ['+ −', 'zoom'],
   ['1 … 6', 'anterior, posterior, left, right, superior, inferior'], ['F', 'fit the picture to what is shown'],
-  ['N, P', 'next and previous scene'], ['/', 'search'], ['I', 'isolate the chosen structure'],
+  ['N, P', 'answer or next scene, and previous scene'], ['/', 'search'], ['I', 'isolate the chosen structure'],
   ['H', 'hide or show it'], ['A', 'show all'], ['U', 'undo'],
 ];
 
@@ -18,6 +18,7 @@ class Page {
     picture: message => this.#takePicture(message),
     drawn: drawn => this.#takeDrawn(drawn),
     picked: picked => this.#takePick(picked),
+    measured: zoom => this.#copyScene(zoom),
     error: text => this.#takeError(text),
     stopped: text => this.#stopFor(text),
   });
@@ -56,7 +57,7 @@ class Page {
       choose: index => this.#inspector.choose(index),
       toggle: index => this.#inspector.toggle(index),
     });
-    this.#scenes = new Scenes(info.scenes, n => this.#showScene(n));
+    this.#scenes = new Scenes(info.scenes, n => this.#showScene(n), () => this.#answer());
     this.#cuts = new Cuts(model, camera, changed);
     this.#startViews(info.views);
     this.#startSearch();
@@ -64,14 +65,15 @@ class Page {
     this.#showCredits(info.provenance);
     document.addEventListener('keydown', event => this.#key(event));
     window.addEventListener('hashchange', () => this.#followLink());
-    model.state = {...model.state, base: this.#opening.select, scene: this.#opening.scene};
+    const {select, scene} = this.#opening;
+    model.state = {...model.state, ...(scene === null ? {base: select} : model.sceneState(scene))};
     if (!this.#followLink()) this.#changed();
     byId('canvas').hidden = false;
   }
 
   /** The selection or the cuts have changed. */
   #changed() {
-    this.#scenes.mark(this.#model.state.scene);
+    this.#scenes.mark(this.#model.state.scene, this.#model.state.isAsking);
     this.#cuts.update();
     byId('undo').disabled = !this.#model.canUndo();
     byId('selection-text').value = this.#model.selection();
@@ -84,17 +86,22 @@ class Page {
     if (stage.camera === null) return;
     stage.mark();
     this.#engine.show({
-      select: this.#model.selection(), cuts: this.#model.cutPlanes(), camera: stage.camera, fit: this.#fit,
+      select: this.#model.selection(), cuts: this.#model.state.cuts, camera: stage.camera, fit: this.#fit,
       size: stage.pictureSize(), depthCue: byId('depth-cue').checked,
     });
   }
 
   #showScene(n) {
     const scene = this.#model.info.scenes[n];
-    this.#model.change({base: scene.select, edits: [], cuts: [null, null, null], scene: n}, this.#stage.camera);
+    this.#model.change(this.#model.sceneState(n), this.#stage.camera);
     this.#stage.camera = {azimuth: scene.azimuth, elevation: scene.elevation, zoom: 1};
-    this.#fit = {structure: -1, zoom: scene.zoom};
+    this.#fit = {structure: -1, zoom: scene.zoom, center: scene.center};
     byId('picked').replaceChildren();
+    this.#changed();
+  }
+
+  #answer() {
+    this.#model.change({isAsking: false}, this.#stage.camera);
     this.#changed();
   }
 
@@ -143,7 +150,7 @@ class Page {
     this.#tell(text);
     byId('loading').hidden = true;
     if (this.#model === null) return;
-    const good = this.#lastGood ?? {...this.#model.state, base: this.#opening.select, edits: [], scene: null};
+    const good = this.#lastGood ?? {...this.#model.state, base: this.#opening.select, edits: [], scene: null, isAsking: false};
     if (this.#model.state === good) return;
     this.#model.state = good;
     this.#lastGood = good;
@@ -218,13 +225,33 @@ class Page {
     byId('print').addEventListener('click', () => print());
     byId('copy-link').addEventListener('click', async () => {
       this.#writeLink();
-      try {
-        await navigator.clipboard.writeText(location.href);
-        this.#tell('The link is copied.');
-      } catch {
-        this.#tell('The link is in the address bar.');
-      }
+      await this.#copy(location.href, 'The link is copied.', 'The link is in the address bar.');
     });
+    byId('copy-scene').addEventListener('click', () => this.#engine.measure());
+  }
+
+  /** Puts a text into the clipboard, and tells so. */
+  async #copy(text, done, otherwise) {
+    try {
+      await navigator.clipboard.writeText(text);
+      this.#tell(done);
+    } catch {
+      this.#tell(otherwise);
+    }
+  }
+
+  /** Copies the present state as a table of `splatlas-preprocess build --scene`. */
+  async #copyScene(fittedZoom) {
+    const {azimuth, elevation, zoom, center} = this.#stage.camera;
+    const round = number => Number(number.toFixed(2));
+    const lines = ['[[scene]]', 'name = "New scene"', `select = ${JSON.stringify(this.#model.selection())}`,
+      'question = ""', 'caption = ""', `azimuth = ${round(azimuth)}`, `elevation = ${round(elevation)}`,
+      `zoom = ${Number((zoom / fittedZoom).toPrecision(4))}`];
+    if (center) lines.push(`center = "${center.map(round)}"`);
+    const cuts = this.#model.state.cuts.map(({normal, offset}) => `"${[...normal, round(offset)]}"`);
+    if (cuts.length > 0) lines.push(`cuts = [${cuts.join(', ')}]`);
+    await this.#copy(`${lines.join('\n')}\n`, 'The scene is copied. Paste it into the file of build --scene.',
+      'This browser does not let the page copy.');
   }
 
   #undo() {
@@ -291,9 +318,10 @@ class Page {
     const round = number => String(Number(number.toFixed(3)));
     const link = new URLSearchParams({select: this.#model.selection()});
     link.set('view', [azimuth, elevation, zoom, ...(center ?? [])].map(round).join(','));
-    const cuts = this.#model.state.cuts.map(cut => (cut ? `${cut.isFlipped ? '<' : '>'}${cut.offset}` : ''));
-    if (cuts.some(cut => cut !== '')) link.set('cuts', cuts.join(','));
-    if (this.#model.state.scene !== null) link.set('scene', String(this.#model.state.scene));
+    const {cuts, scene, isAsking} = this.#model.state;
+    if (cuts.length > 0) link.set('cuts', cuts.map(({normal, offset}) => [...normal, offset].map(round)).join(';'));
+    if (scene !== null) link.set('scene', String(scene));
+    if (isAsking) link.set('asks', '1');
     const text = `#${link}`;
     if (text.length < kMaxLinkText && text !== location.hash) history.replaceState(null, '', text);
   }
@@ -304,14 +332,12 @@ class Page {
     if (!link.has('select')) return false;
     const view = (link.get('view') ?? '').split(',').map(Number);
     const isView = [3, 6].includes(view.length) && view.every(Number.isFinite) && view[2] > 0;
-    const cuts = (link.get('cuts') ?? '').split(',').map(text => {
-      const offset = Number(text.slice(1));
-      return /^[<>]/.test(text) && Number.isFinite(offset) ? {offset, isFlipped: text[0] === '<'} : null;
-    });
+    const cuts = (link.get('cuts') ?? '').split(';').map(text => text.split(',').map(Number))
+      .filter(numbers => numbers.length === 4 && numbers.every(Number.isFinite) && numbers.slice(0, 3).some(n => n !== 0))
+      .map(([x, y, z, offset]) => ({normal: [x, y, z], offset})).slice(0, kMaxCuts);
     const scene = link.has('scene') && this.#model.info.scenes[link.get('scene')] ? Number(link.get('scene')) : null;
-    this.#model.change({
-      base: link.get('select'), edits: [], scene, cuts: [0, 1, 2].map(axis => cuts[axis] ?? null),
-    }, this.#stage.camera);
+    const isAsking = scene !== null && link.has('asks') && this.#model.info.scenes[scene].question !== '';
+    this.#model.change({base: link.get('select'), edits: [], scene, isAsking, cuts}, this.#stage.camera);
     if (isView) {
       const [azimuth, elevation, zoom, ...center] = view;
       const kept = Math.min(Math.max(zoom, Camera.kMinZoom), Camera.kMaxZoom);

@@ -69,16 +69,19 @@ class Inspector {
   }
 }
 
-/** The strip of scenes with the caption. Calls the handler show(n). */
+/** The strip of scenes with question or caption. Calls the handlers show(n) and answer(). */
 class Scenes {
   #scenes;
   #show;
+  #answer;
   #buttons;
   #current = null;
+  #isAsking = false;
 
-  constructor(scenes, show) {
+  constructor(scenes, show, answer) {
     this.#scenes = scenes;
     this.#show = show;
+    this.#answer = answer;
     byId('scenes').hidden = scenes.length === 0;
     this.#buttons = scenes.map((scene, n) => {
       const button = element('button', {}, element('span', {class: 'number', 'aria-hidden': 'true'}, String(n + 1)),
@@ -89,23 +92,27 @@ class Scenes {
     byId('strip').replaceChildren(...this.#buttons.map(button => element('li', {}, button)));
     byId('previous').addEventListener('click', () => this.step(-1));
     byId('next').addEventListener('click', () => this.step(1));
+    byId('answer').addEventListener('click', () => answer());
   }
 
-  /** Shows the scene after (1) or before (-1) the present one. */
+  /** Shows the scene after (1) or before (-1) the present one; first the answer to a question. */
   step(by) {
+    if (this.#isAsking && by > 0) return this.#answer();
     const count = this.#scenes.length;
-    if (count === 0) return;
-    this.#show(this.#current === null ? 0 : (this.#current + by + count) % count);
+    if (count === 0) return undefined;
+    return this.#show(this.#current === null ? 0 : (this.#current + by + count) % count);
   }
 
-  /** Marks a scene as the present one; null: none. */
-  mark(n) {
+  /** Marks a scene as the present one, with its question or its caption; null: none. */
+  mark(n, isAsking) {
     this.#current = n;
+    this.#isAsking = isAsking;
+    byId('answer').hidden = !isAsking;
     this.#buttons.forEach((button, each) => {
       if (each === n) button.setAttribute('aria-current', 'step');
       else button.removeAttribute('aria-current');
     });
-    byId('caption').replaceChildren(nameElement(n === null ? '' : this.#scenes[n].caption));
+    byId('caption').replaceChildren(nameElement(n === null ? '' : this.#scenes[n][isAsking ? 'question' : 'caption']));
     byId('place').textContent = n === null ? `${this.#scenes.length} scenes` : `${n + 1} of ${this.#scenes.length}`;
     const strip = byId('strip');
     if (n === null) return;
@@ -134,7 +141,7 @@ class Cuts {
       const text = element('output', {});
       const read = gesture => {
         const cut = side.value === '' ? null : {offset: Number(slider.value), isFlipped: side.value === 'low'};
-        model.change({cuts: model.state.cuts.map((old, n) => (n === axis ? cut : old))}, camera(), gesture);
+        model.setCutAcross(axis, cut, camera(), gesture);
         changed();
       };
       slider.value = String(center[axis]);
@@ -148,14 +155,14 @@ class Cuts {
       return {slider, side, text};
     });
     byId('no-cuts').addEventListener('click', () => {
-      model.change({cuts: [null, null, null]}, camera());
+      model.change({cuts: []}, camera());
       changed();
     });
   }
 
   update() {
     this.#rows.forEach(({slider, side, text}, axis) => {
-      const cut = this.#model.state.cuts[axis];
+      const cut = this.#model.cutAcross(axis);
       side.value = cut === null ? '' : cut.isFlipped ? 'low' : 'high';
       if (cut !== null) slider.value = String(cut.offset);
       text.textContent = cut === null ? '' : `${Number(slider.value)} mm`;

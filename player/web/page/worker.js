@@ -1,7 +1,7 @@
 // A worker of the page: draws and picks with the module. Follows splatlas.js in one script.
 //
-// From the page:  {type: 'start', module, atlas}, then {type: 'draw', ...} and {type: 'pick', ...}; see engine.js.
-// To the page:    'ready', 'picture', 'picked', 'error' (the worker goes on) and 'fatal' (it does not).
+// From the page:  {type: 'start', module, atlas}, then {type: 'draw'}, {type: 'pick'} and {type: 'measure'}; see engine.js.
+// To the page:    'ready', 'picture', 'picked', 'measured', 'error' (the worker goes on) and 'fatal' (it does not).
 'use strict';
 
 (() => {
@@ -15,6 +15,7 @@ let scale = 1;         // size of drafts, relative to the size asked for
 let latest = null;     // {serial, width, height} of the latest picture
 let drawRequest = null;
 let pickRequest = null;
+let measureRequest = null;
 let isAwake = false;
 
 // A message to oneself, behind all messages that wait: only the newest request is drawn.
@@ -25,6 +26,7 @@ self.onmessage = ({data}) => {
   if (data.type === 'start') return start(data);
   if (data.type === 'draw') drawRequest = data;
   if (data.type === 'pick') pickRequest = data;
+  if (data.type === 'measure') measureRequest = data;
   wake();
 };
 
@@ -47,10 +49,11 @@ async function start({module, atlas}) {
 
 function work() {
   isAwake = false;
-  const [draw, pick] = [drawRequest, pickRequest];
-  drawRequest = pickRequest = null;
+  const [draw, pick, measure] = [drawRequest, pickRequest, measureRequest];
+  drawRequest = pickRequest = measureRequest = null;
   if (draw) attempt(drawPicture, draw);
   if (pick) attempt(answerPick, pick);
+  if (measure) attempt(answerMeasure, measure);
 }
 
 /** Calls task(request). Tells the page about errors; after a trap this worker is of no use. */
@@ -101,7 +104,10 @@ function render({serial, cuts, depthCue, budget, camera, size, fit, quality}, sh
   splatlas.cut(cuts);
   splatlas.options({depthCue: depthCue && quality !== 'draft', draftBudget: budget});
   splatlas.camera = camera;
-  if (fit) splatlas.view({zoom: splatlas.fit(...size, fit.structure).zoom * fit.zoom});
+  if (fit) {
+    const {zoom, center} = splatlas.fit(...size, fit.structure);
+    splatlas.view({zoom: zoom * fit.zoom, center: fit.center ?? center});
+  }
   const [width, height] = size.map(side => Math.max(1, Math.round(side * shrink)));
   const picture = splatlas.render(width, height, quality);
   latest = {serial, width, height};
@@ -112,6 +118,13 @@ function render({serial, cuts, depthCue, budget, camera, size, fit, quality}, sh
 function adapt(ms, budget) {
   const wanted = Math.min(scale * Math.sqrt(budget / ms), scale * kMaxGrowth, 1);
   scale = Math.max(kMinScale, Math.round(wanted / kScaleStep) * kScaleStep);
+}
+
+function answerMeasure({serial, state}) {
+  if (state.select !== selected) select(state.select);
+  splatlas.cut(state.cuts);
+  splatlas.camera = state.camera;
+  self.postMessage({type: 'measured', serial, zoom: splatlas.fit(...state.size).zoom});
 }
 
 /** Picks in the page's newest state. The latest picture is of another one only after an error. */

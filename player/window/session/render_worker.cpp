@@ -140,6 +140,7 @@ Result<void> RenderWorker::render(const FrameRequest& request, Quality quality, 
   options.size = {std::max(1, request.size.width / divisor), std::max(1, request.size.height / divisor)};
   options.quality = quality;
   options.depth_cue = request.depth_cue;
+  options.cuts = request.cuts;
   options.draft_budget_ms = kDraftBudgetMs;
   return renderer_.render(request.camera, options, frame);
 }
@@ -155,7 +156,7 @@ std::string RenderWorker::missing_text(const std::vector<MissingPart>& missing) 
 bool RenderWorker::fit_camera(FrameRequest& request) {
   const auto fit = [&]() -> Result<Camera> {
     if (auto selected = select(request); !selected) return tl::unexpected(std::move(selected).error());
-    const RenderOptions options{.size = request.size};
+    const RenderOptions options{.size = request.size, .cuts = request.cuts};
     if (!request.fit->structure) return renderer_.fit(request.camera, options);
     const auto part = renderer_.atlas().graph().descendants(*request.fit->structure);
     return renderer_.fit(request.camera, options, part);
@@ -166,6 +167,7 @@ bool RenderWorker::fit_camera(FrameRequest& request) {
     return false;
   }
   camera->zoom = std::clamp(camera->zoom * request.fit->zoom, kMinZoom, kMaxZoom);
+  if (request.fit->center_lps_mm) camera->center_lps_mm = request.fit->center_lps_mm;
   push_event(CameraFitted{request, *camera});
   request.camera = *camera;
   request.fit.reset();

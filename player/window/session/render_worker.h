@@ -22,7 +22,8 @@ namespace splatlas {
 /// Content to which a camera is fitted: the selection, or its part below a structure.
 struct FitTarget {
   std::optional<StructureIndex> structure = std::nullopt;
-  double zoom = 1;  ///< multiplies that of the fit
+  double zoom = 1;                                   ///< multiplies that of the fit
+  std::optional<Vec3> center_lps_mm = std::nullopt;  ///< in place of the middle of the content
   friend bool operator==(const FitTarget&, const FitTarget&) = default;
 };
 
@@ -33,6 +34,7 @@ struct FrameRequest {
   Camera camera;
   PictureSize size;
   DepthCue depth_cue = DepthCue::kNone;
+  CutPlanes cuts;
   std::optional<FitTarget> fit = std::nullopt;  ///< fits the camera first; frames have no target
 };
 

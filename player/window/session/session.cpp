@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "player/camera_moves.h"
+
 namespace splatlas {
 namespace {
 
@@ -50,8 +52,8 @@ bool same_camera(const Camera& a, const Camera& b) {
 
 /// True if both requests yield the same frame.
 bool same_frame(const FrameRequest& a, const FrameRequest& b) {
-  return a.selection == b.selection && a.size == b.size && a.depth_cue == b.depth_cue && a.fit == b.fit &&
-         same_camera(a.camera, b.camera);
+  return a.selection == b.selection && a.size == b.size && a.depth_cue == b.depth_cue && a.cuts == b.cuts &&
+         a.fit == b.fit && same_camera(a.camera, b.camera);
 }
 
 Json camera_json(const Camera& camera) {
@@ -94,7 +96,7 @@ void Session::notice_selection() {
 }
 
 FrameRequest Session::wanted_frame() const {
-  return {selection_, editor_.text(), camera_, size_, depth_cue_, framing_};
+  return {selection_, editor_.text(), camera_, size_, depth_cue_, cuts_, framing_};
 }
 
 void Session::request_frame() {
@@ -180,19 +182,27 @@ void Session::turn_to(NamedView view) {
 
 void Session::show_scene(std::size_t n) {
   const Scene& scene = atlas_->scenes()[n];
+  const Result<SceneFraming> framing = framing_of(scene, *atlas_);
+  if (!framing) return set_status({framing.error().message, true});
   apply_text(scene.selection);
   if (!text_error_.empty()) {
     set_status({fmt::format("scene \"{}\": {}", scene.name, text_error_), true});
     return;
   }
   camera_ = {.azimuth_deg = scene.azimuth_deg, .elevation_deg = scene.elevation_deg};
-  framing_ = FitTarget{.zoom = scene.zoom};
+  framing_ = FitTarget{.zoom = scene.zoom, .center_lps_mm = framing->center_lps_mm};
+  cuts_ = framing->cuts;
   scene_ = n;
+  answered_ = scene.question.empty();
   scene_version_ = editor_.version();
   log_.write("scene", {{"name", scene.name}});
 }
 
 void Session::show_next_scene() {
+  if (asks()) {
+    answered_ = true;
+    return;
+  }
   const std::size_t next = scene() ? *scene() + 1 : 0;
   if (next < atlas_->scenes().size()) show_scene(next);
 }

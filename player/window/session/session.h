@@ -73,9 +73,10 @@ class Session {
   /// The same for the structure at this point, or for the selection at the background, after an answer of the
   /// worker.
   void frame_at(ViewPoint point) { worker_.pick(point.u, point.v, PickPurpose::kFraming); }
-  /// Returns to an anterior view, fitted to the selection.
+  /// Returns to an anterior view, fitted to the selection, without cuts.
   void reset_view() {
     camera_ = {};
+    cuts_ = {};
     frame_selection();
   }
   /// Shows a scene of the atlas: its selection and view. status() reports a selection that fails.
@@ -84,7 +85,10 @@ class Session {
   [[nodiscard]] std::optional<std::size_t> scene() const {
     return scene_version_ == editor_.version() ? scene_ : std::nullopt;
   }
-  /// Shows the next scene, or the one before; the first or last one if none is shown.
+  /// True while the scene shows its question, not its caption.
+  [[nodiscard]] bool asks() const { return scene() && !answered_; }
+  /// Shows the answer to a question, then the next scene, or the one before; the first or last one if none is
+  /// shown.
   void show_next_scene();
   void show_scene_before();
   /// Zoom relative to the latest fit.
@@ -153,7 +157,9 @@ class Session {
   double fitted_zoom_ = 1;
   PictureSize size_;
   DepthCue depth_cue_ = DepthCue::kNone;
+  CutPlanes cuts_;
   std::optional<std::size_t> scene_;
+  bool answered_ = true;             // or the scene has no question
   std::uint64_t scene_version_ = 0;  // editor version of scene_
   std::optional<FrameRequest> requested_;
   std::shared_ptr<const DisplayFrame> frame_;

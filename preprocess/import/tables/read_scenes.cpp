@@ -5,10 +5,14 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
+#include <vector>
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
+#include "format/content/cut_planes.h"
+#include "format/content/frame_center.h"
 #include "format/content/selection.h"
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
@@ -19,7 +23,8 @@ namespace {
 
 constexpr double kMaxZoom = 1000;
 constexpr std::size_t kMaxSceneText = 4000;
-constexpr std::string_view kKeys = "name, select, caption, azimuth, elevation and zoom";
+constexpr std::string_view kKeys =
+    "name, select, question, caption, azimuth, elevation, zoom, center and cuts";
 
 /// The reader of one table [[scene]]. Keeps the first error.
 class SceneReader {
@@ -34,6 +39,8 @@ class SceneReader {
         scene.name = text(value, name);
       } else if (name == "select") {
         scene.selection = text(value, name);
+      } else if (name == "question") {
+        scene.question = text(value, name);
       } else if (name == "caption") {
         scene.caption = text(value, name);
       } else if (name == "azimuth") {
@@ -42,6 +49,10 @@ class SceneReader {
         scene.elevation_deg = number(value, name, -90, 90);
       } else if (name == "zoom") {
         scene.zoom = number(value, name, 1 / kMaxZoom, kMaxZoom);
+      } else if (name == "center") {
+        scene.center = center(value);
+      } else if (name == "cuts") {
+        scene.cuts = cuts(value);
       } else {
         refuse(value, fmt::format("unknown key {}; a scene has {}", in_quotes(name), kKeys));
       }
@@ -70,6 +81,31 @@ class SceneReader {
     if (text.size() > kMaxSceneText)
       refuse(value, fmt::format("{} has {} bytes; {} are allowed", key, text.size(), kMaxSceneText));
     return text;
+  }
+  [[nodiscard]] std::string center(const toml::node& value) {
+    std::string center = text(value, "center");
+    if (!parse_center(center)) {
+      refuse(value, fmt::format("center {} must be \"X,Y,Z\" in LPS mm, each at most {} from 0, or name a "
+                                "structure",
+                                in_quotes(center), kMaxMm));
+    }
+    return center;
+  }
+  [[nodiscard]] std::string cuts(const toml::node& value) {
+    std::vector<std::string> words;
+    if (const toml::array* const list = value.as_array()) {
+      for (const toml::node& cut : *list) words.push_back(text(cut, "each of the cuts"));
+    } else {
+      refuse(value, "cuts must be a list of texts, as in cuts = [\"left=10\", \"superior=40\"]");
+    }
+    CutPlanes planes;
+    for (const std::string& word : words) {
+      const auto plane = parse_cut(word);
+      if (!plane) refuse(value, fmt::format("cut {} {}", in_quotes(word), kCutForms));
+      const Result<void> added = plane ? planes.add(*plane) : Result<void>();
+      if (!added) refuse(value, added.error().message);
+    }
+    return fmt::format("{}", fmt::join(words, " "));
   }
   [[nodiscard]] double number(const toml::node& value, std::string_view key, double low, double high) {
     const auto found = value.value<double>();
@@ -115,12 +151,19 @@ Result<SceneFile> read_scenes(const std::filesystem::path& path) {
   return file;
 }
 
-Result<void> check_selections(const SceneFile& file, const StructureGraph& graph) {
+Result<void> check_names(const SceneFile& file, const StructureGraph& graph) {
+  const auto check = [&](const Scene& scene) -> Result<void> {
+    SPLATLAS_RETURN_IF_ERROR(Selection::parse(scene.selection, graph));
+    const auto center = parse_center(scene.center);
+    if (center && std::holds_alternative<std::string>(*center))
+      SPLATLAS_RETURN_IF_ERROR(graph.find_named(scene.center));
+    return {};
+  };
   for (const Scene& scene : file.scenes) {
-    const Result<Selection> selection = Selection::parse(scene.selection, graph);
-    if (selection) continue;
+    const Result<void> checked = check(scene);
+    if (checked) continue;
     return fail(ErrorCode::kFailed, "{}: scene {}: {}", file.path.string(), in_quotes(scene.name),
-                selection.error().message);
+                checked.error().message);
   }
   return {};
 }

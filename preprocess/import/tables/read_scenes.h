@@ -16,11 +16,12 @@ struct SceneFile {
 };
 
 /// Reads a TOML file (toml.io) of at most 16 MiB: a table [[scene]] for each scene, with its name, select,
-/// caption, azimuth, elevation (degrees) and zoom; the last four may be left out. kFailed with file, line and
+/// question, caption, azimuth, elevation (degrees), zoom, center (X,Y,Z in LPS mm, or a structure) and cuts
+/// (texts as of --cut); all but the first two may be left out. kFailed with file, line and
 /// remedy for other keys, wrong types and values, and names that repeat.
 [[nodiscard]] Result<SceneFile> read_scenes(const std::filesystem::path& path);
 
-/// kFailed, with file and scene, for a selection that the structures do not have.
-[[nodiscard]] Result<void> check_selections(const SceneFile& file, const StructureGraph& graph);
+/// kFailed, with file and scene, for a selection or a centre that the structures do not have.
+[[nodiscard]] Result<void> check_names(const SceneFile& file, const StructureGraph& graph);
 
 }  // namespace splatlas

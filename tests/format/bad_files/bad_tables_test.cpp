@@ -279,6 +279,44 @@ TEST(BadFiles, WithBadTerms) {
   expect_faults(kTermTexts, "F: invalid: term of structure 0 {}", in_directory);
 }
 
+/// The scene has a question, "why", and a cut, "left=1".
+void add_scene_text(RawDirectory& d) {
+  d.scene_text_ends = {3, 9, 9};
+  for (const char c : std::string("whyleft=1")) d.scene_text.push_back(static_cast<std::uint8_t>(c));
+}
+
+constexpr BadDirectory kSceneOffsets[] = {
+    {"one end too few", [](auto& d) { add_scene_text(d), d.scene_text_ends.pop_back(); }},
+    {"one end too many", [](auto& d) { add_scene_text(d), d.scene_text_ends.push_back(9); }},
+    {"falling ends",
+     [](auto& d) {
+       add_scene_text(d), d.scene_text_ends = {9, 3, 9};
+     }},
+    {"a string beyond the text", [](auto& d) { add_scene_text(d), d.scene_text_ends.back() = 10; }},
+    {"text beyond the strings", [](auto& d) { add_scene_text(d), d.scene_text.push_back('x'); }},
+    {"no ends", [](auto& d) { add_scene_text(d), d.scene_text_ends.clear(); }},
+    {"no text", [](auto& d) { add_scene_text(d), d.scene_text.clear(); }},
+};
+
+constexpr BadDirectory kSceneTexts[] = {
+    {"a control character", [](auto& d) { add_scene_text(d), d.scene_text[2] = 7; },
+     "has a control character (byte 2: U+0007)"},
+    {"bytes that are no UTF-8", [](auto& d) { add_scene_text(d), d.scene_text[3] = 0xff; },
+     "is not UTF-8 (byte 0)"},
+};
+
+TEST(BadFiles, WithBadTextsOfScenes) {
+  RawAtlas atlas = raw_atlas(good_file());
+  add_scene_text(atlas.directory);
+  const auto good = Atlas::open_bytes(file_of(atlas));
+  ASSERT_TRUE(good) << good.error().message;
+  const Scene& scene = (*good)->scenes().front();
+  EXPECT_EQ((std::array{scene.name, scene.question, scene.cuts, scene.center}),
+            (std::array<std::string, 4>{"First", "why", "left=1", ""}));
+  expect_faults(kSceneOffsets, "F: invalid: inconsistent offsets of directory text of scenes", in_directory);
+  expect_faults(kSceneTexts, "F: invalid: text of scene 0 {}", in_directory);
+}
+
 TEST(BadFiles, WithABadScene) {
   expect_faults(kScenes, "F: invalid: camera of scene 0: azimuth {}",
                 in_part([](auto& d) -> RawScene& { return d.scenes[0]; }));

@@ -66,6 +66,8 @@ RawDirectory read_directory(const Bytes& bytes) {
           .terms_end = numbers_or_none(d.terms_end()),
           .term_text_ends = numbers_or_none(d.term_text_ends()),
           .term_text = numbers_or_none(d.term_text()),
+          .scene_text_ends = numbers_or_none(d.scene_text_ends()),
+          .scene_text = numbers_or_none(d.scene_text()),
           .left_out = {}};
 }
 
@@ -86,6 +88,8 @@ Bytes encode(const RawDirectory& d) {
   const auto terms_end = b.CreateVector(d.terms_end);
   const auto term_text_ends = b.CreateVector(d.term_text_ends);
   const auto term_text = b.CreateVector(d.term_text);
+  const auto scene_text_ends = b.CreateVector(d.scene_text_ends);
+  const auto scene_text = b.CreateVector(d.scene_text);
   schema::DirectoryBuilder table(b);
   const auto add = [&](const char* field, const auto& add_field) {
     if (!d.left_out.contains(field)) add_field();
@@ -113,6 +117,8 @@ Bytes encode(const RawDirectory& d) {
   if (!d.terms_end.empty()) table.add_terms_end(terms_end);
   if (!d.term_text_ends.empty()) table.add_term_text_ends(term_text_ends);
   if (!d.term_text.empty()) table.add_term_text(term_text);
+  if (!d.scene_text_ends.empty()) table.add_scene_text_ends(scene_text_ends);
+  if (!d.scene_text.empty()) table.add_scene_text(scene_text);
   // Not Finish(), which asserts that all fields are present.
   b.Finish(flatbuffers::Offset<schema::Directory>(b.EndTable(table.start_)), schema::DirectoryIdentifier());
   const auto* begin = reinterpret_cast<const std::byte*>(b.GetBufferPointer());

@@ -77,6 +77,8 @@ struct RawDirectory {
   std::vector<std::uint64_t> fingerprints;
   std::vector<std::uint32_t> terms_end, term_text_ends;  ///< each left out if empty
   std::vector<std::uint8_t> term_text;
+  std::vector<std::uint32_t> scene_text_ends;  ///< left out if empty
+  std::vector<std::uint8_t> scene_text;
   std::set<std::string> left_out;  ///< omitted fields of the FlatBuffer
 };
 

@@ -32,6 +32,9 @@ void tell_texts(const AtlasContent& content, Out out) {
   for (const Scene& scene : content.scenes) {
     fmt::format_to(out, "scene {:?} {:?} {:?} azimuth {} elevation {} zoom {}\n", scene.name, scene.caption,
                    scene.selection, scene.azimuth_deg, scene.elevation_deg, scene.zoom);
+    const bool has_more = !(scene.question + scene.cuts + scene.center).empty();
+    if (has_more)
+      fmt::format_to(out, "  {:?} cuts {:?} center {:?}\n", scene.question, scene.cuts, scene.center);
   }
 }
 

@@ -176,6 +176,23 @@ async function display(visit) {
   await page.pdf({path: path.join(folder, 'print.pdf'), format: 'A4', printBackground: true});
 }
 
+/** The third scene asks, has cuts, and answers at the next key; its copy has all that a lesson needs. */
+async function ask(visit) {
+  const {page} = visit;
+  await visit.changes('scene', () => page.keyboard.press('n'));
+  assert.strictEqual(await visit.text('#caption'), 'Which <b>ball</b> is it?');
+  await visit.picture('desk_question');
+  await page.keyboard.press('n');
+  assert.strictEqual(await visit.text('#caption'), 'The <b>first</b> one.');
+  await page.evaluate(() => {
+    navigator.clipboard.writeText = async text => { window.copied = text; };
+    document.getElementById('copy-scene').click();
+  });
+  await page.waitForFunction('window.copied', {timeout: kPatience});
+  assert.match(await page.evaluate(() => window.copied),
+    /^\[\[scene\]\]\n.*select = "Sphere_1:volume"\n.*zoom = 2\n.*cuts = \["0,-1,0,0", "0.5,0,0.5,4"\]\n$/s);
+}
+
 async function onDesk(visit, url) {
   const {page} = visit;
   await visit.open(url);
@@ -184,6 +201,8 @@ async function onDesk(visit, url) {
   await visit.changes('scene', () => page.keyboard.press('n'));
   assert.match(await visit.text('#place'), /^2 of/);
   await visit.picture('desk_scene');
+  await ask(visit);
+  await visit.changes('scene', () => page.keyboard.press('p'));
   await visit.changes('drag', () => drag(visit));
   await visit.changes('wheel', () => page.mouse.wheel({deltaY: -200}));
   await search(visit);

@@ -44,7 +44,27 @@ async function checkPictures(module, folder) {
     shown += expected.some(value => value > 0);
   }
   assert(shown > 50);
+  checkScenes(splatlas, fs.readFileSync(path.join(folder, 'lesson.atlas')));
   console.log(`${scenes.length} pictures, ${shown} not empty: at most ${worst} of full scale apart`);
+}
+
+/** Scenes are what info() tells of them. */
+function checkScenes(splatlas, lesson) {
+  splatlas.open(lesson);
+  const size = [160, 120];
+  splatlas.info().scenes.forEach((scene, n) => {
+    splatlas.scene(n, ...size);
+    splatlas.render(...size);
+    const floats = splatlas.floats();
+    assert(floats.some(value => value > 0), scene.name);
+    splatlas.select(scene.select);
+    splatlas.cut(scene.cuts);
+    splatlas.camera = {azimuth: scene.azimuth, elevation: scene.elevation};
+    const {zoom, center} = splatlas.fit(...size);
+    splatlas.view({zoom: zoom * scene.zoom, center: scene.center ?? center});
+    splatlas.render(...size);
+    assert.deepStrictEqual(splatlas.floats(), floats, scene.name);
+  });
 }
 
 function checkInterface(module) {

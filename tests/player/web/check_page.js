@@ -70,7 +70,9 @@ function checkOpening() {
     return JSON.parse(textOf(html, '<script type="application/json" id="opening">', '</script>'));
   };
   assert.strictEqual(opening().scene, 0);
-  assert.strictEqual(opening('--scene', 'third').select, 'Sphere_1:volume');
+  const third = opening('--scene', 'third');
+  assert.strictEqual(third.select, 'Sphere_1:volume');
+  assert.deepStrictEqual(third.camera.center, opening('--select', 'Sphere_2:volume').camera.center);
   const {select, scene, camera} = opening('--select', 'Sphere_2:surface', '--view', 'left');
   assert.deepStrictEqual([select, scene, camera.azimuth, camera.elevation], ['Sphere_2:surface', null, 90, 0]);
 }

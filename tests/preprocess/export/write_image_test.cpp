@@ -55,8 +55,12 @@ TEST(WriteImage, ItkReadsTheSameVoxelsAndGrid) {
   std::mt19937 random(3);
   for (const std::string& ending : kEndings) {
     const TemporaryFolder folder;  // ITK would read v.nii for v.nii.gz
-    for (const VoxelType type : kVoxelTypes) {
-      for (const Grid& grid : grids()) {
+    const std::vector<Grid> all = grids();
+    for (std::size_t n = 0; n < all.size(); ++n) {
+      const Grid& grid = all[n];
+      // Every type in the first grid, every grid in one type
+      for (std::size_t t = 0; t < (n == 0 ? kVoxelTypes.size() : 1); ++t) {
+        const VoxelType type = kVoxelTypes[(n + t) % kVoxelTypes.size()];
         const Image image = random_volume(grid, type, random);
         const std::string path = folder.file("v" + ending);
         const Result<void> written = write_image(image, path);

@@ -35,11 +35,14 @@ caption = "What is this?"
 azimuth = 90
 elevation = -12.5
 zoom = 2
+question = "Which sphere is this?"
+center = "1,-2.5,3"
+cuts = ["left=10", "0,0,1,2.5"]
 )");
   ASSERT_TRUE(file) << file.error().message;
-  const std::vector<Scene> expected{
-      {"Whole", "", "*", 0, 0, 1},
-      {"Größe", "What is this?", "\"Sphere 1\":surface(opacity=0.5) + Sphere*", 90, -12.5, 2}};
+  const std::vector<Scene> expected{{"Whole", "", "*", 0, 0, 1},
+                                    {"Größe", "What is this?", "\"Sphere 1\":surface(opacity=0.5) + Sphere*",
+                                     90, -12.5, 2, "Which sphere is this?", "left=10 0,0,1,2.5", "1,-2.5,3"}};
   EXPECT_EQ(file->scenes, expected);
 }
 
@@ -57,7 +60,15 @@ TEST_F(ReadScenes, TellsLineAndRemedyOfFaults) {
       {start + "elevation = 91\n", "line 4: elevation must be a number from -90 to 90"},
       {start + "azimuth = nan\n", "line 4: azimuth must be a number from -360 to 360"},
       {start + "azimuth = \"left\"\n", "line 4: azimuth must be a number"},
-      {start + "title = \"x\"\n", "line 4: unknown key \"title\"; a scene has name, select, caption"},
+      {start + "title = \"x\"\n", "line 4: unknown key \"title\"; a scene has name, select, question"},
+      {start + "cuts = \"left=1\"\n", "line 4: cuts must be a list of texts"},
+      {start + "cuts = [\"above=1\"]\n", "line 4: cut \"above=1\" must be SIDE=MM"},
+      {start + "cuts = [3]\n", "line 4: each of the cuts must be a text in quotes"},
+      {start + "cuts = [\"0,0,0,1\"]\n", "line 4: cut: the plane 0,0,0,1 must have"},
+      {start +
+           "cuts = [\"left=1\", \"left=1\", \"left=1\", \"left=1\", \"left=1\", \"left=1\", \"left=1\"]\n",
+       "line 4: cut: more than 6 planes"},
+      {start + "center = \"1,2\"\n", "line 4: center \"1,2\" must be \"X,Y,Z\""},
       {start + "caption = \"a\\u202eb\"\n", "line 4: caption must be one line of visible UTF-8 characters"},
       {start + "caption = \"\"\"a\nb\"\"\"\n", "line 4: caption must be one line"},
       {start + "caption = \"" + std::string(4001, 'a') + "\"\n",
