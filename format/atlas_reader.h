@@ -59,6 +59,9 @@ class Atlas {
   [[nodiscard]] static Result<std::shared_ptr<const Atlas>> open_bytes(std::vector<std::byte> bytes,
                                                                        std::string name = "(memory)",
                                                                        const AtlasOptions& options = {});
+  /// The same of any input (format/io/input_file.h), such as a file on a server.
+  [[nodiscard]] static Result<std::shared_ptr<const Atlas>> open_file(InputFile file,
+                                                                      const AtlasOptions& options = {});
   ~Atlas();
   Atlas(const Atlas&) = delete;
   Atlas& operator=(const Atlas&) = delete;
@@ -117,8 +120,6 @@ class Atlas {
 
  private:
   struct Impl;
-  [[nodiscard]] static Result<std::shared_ptr<const Atlas>> open_file(InputFile file,
-                                                                      const AtlasOptions& options);
   explicit Atlas(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };

@@ -65,13 +65,10 @@ void InputFile::map() {
   ::madvise(mapping, size_, MADV_RANDOM);
 }
 
-InputFile::InputFile(std::vector<std::byte> bytes, std::string name)
-    : bytes_(std::move(bytes)), size_(bytes_.size()), name_(std::move(name)) {}
-
 InputFile::InputFile(InputFile&& other) noexcept
     : descriptor_(std::exchange(other.descriptor_, -1)),
       mapping_(std::exchange(other.mapping_, nullptr)),
-      bytes_(std::move(other.bytes_)),
+      read_(std::move(other.read_)),
       size_(std::exchange(other.size_, 0)),
       name_(std::move(other.name_)),
       asked_bytes_(other.asked_bytes_.load()) {}
@@ -129,10 +126,7 @@ Result<void> InputFile::read(std::uint64_t offset, std::span<std::byte> to) cons
   if (offset > size_ || to.size() > size_ - offset) {
     return invalid_atlas("truncated: bytes {} to {} of {}", offset, offset + to.size(), size_);
   }
-  if (descriptor_ < 0) {
-    std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(offset), to.size(), to.begin());
-    return {};
-  }
+  if (read_) return read_(offset, to);
   count(to.size());
   const std::size_t copied = mapping_ != nullptr ? copy_mapped(offset, to) : 0;
   // The rest, if any: pread() tells the reason for missing pages.

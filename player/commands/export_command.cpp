@@ -11,16 +11,20 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <webp/encode.h>
 
 #include "format/atlas_reader.h"
 #include "format/io/check_writable.h"
 #include "format/io/input_file.h"
+#include "format/io/interrupts.h"
 #include "format/io/output_file.h"
+#include "format/io/output_folder.h"
 #include "format/io/output_path.h"
 #include "format/program/command_options.h"
 #include "format/result_macros.h"
+#include "format/text/ascii_text.h"
 #include "format/text/json_text.h"
 #include "player/camera_moves.h"
 #include "player/commands/framing.h"
@@ -35,12 +39,17 @@ constexpr const char* kFooter =
     "with\n"
     "SIMD and exceptions; elsewhere it shows its opening picture. docs/web.md tells how to use it.\n"
     "\n"
+    "--site writes a folder for any static web server: the page reads from the atlas what it shows, by "
+    "range\n"
+    "requests. Several atlases get a catalogue, index.html.\n"
+    "\n"
     "Without --select and --scene the page opens with the first scene of the atlas, or with everything.\n"
     "\n"
     "  splatlas-player export brain.atlas --html brain.html\n"
     "  splatlas-player export brain.atlas --html lesson.html --scene 'Basal ganglia'\n"
     "  splatlas-player export brain.atlas --html left.html --select '\"Left hemisphere\":surface' --view "
     "left\n"
+    "  splatlas-player export *.atlas --site site/\n"
     "\n"
     "Exit status: 0 done; 1 could not be done; 2 wrong usage; 3 not a valid atlas; 4 name not found.";
 
@@ -106,6 +115,12 @@ Result<std::vector<std::byte>> encode_webp(const Picture& picture) {
   return std::vector(bytes, bytes + size);
 }
 
+/// A page, drawn but for the place of its atlas.
+struct DrawnPage {
+  HtmlPage html;
+  std::vector<std::byte> picture;
+};
+
 /// Fits the camera and draws the picture.
 Result<std::vector<std::byte>> draw(const std::shared_ptr<const Atlas>& atlas, Opening& opening) {
   const Result<Selection> selection = Selection::parse(opening.select, atlas->graph());
@@ -136,33 +151,44 @@ std::string json_of(const Opening& opening) {
 }  // namespace
 
 CLI::App* add_export(CLI::App& app, ExportRequest& request) {
-  CLI::App* command = app.add_subcommand("export", "Write a page that plays an atlas in browsers");
-  command->add_option("ATLAS", request.atlas, "atlas file")->required()->check(names_a_file());
+  CLI::App* command = app.add_subcommand("export", "Write pages that play atlases in browsers");
+  command->add_option("ATLAS", request.atlases, "atlas file; --site takes several")
+      ->required()
+      ->check(names_a_file());
   const auto file = [](std::string_view text) {
     return text.empty() ? std::nullopt : std::optional<std::filesystem::path>(text);
   };
   const auto given = [](std::string_view text) {
     return text.empty() ? std::nullopt : std::optional<std::string>(text);
   };
-  add_parsed(*command, "--html", request.html, file, "must name a file", "page to write: one HTML file")
-      ->required();
+  CLI::Option* html =
+      add_parsed(*command, "--html", request.html, file, "must name a file", "page to write: one HTML file");
+  add_parsed(*command, "--site", request.site, file, "must name a folder",
+             "folder to write, for a web server; must not exist, or be empty")
+      ->excludes(html);
   CLI::Option* select = add_parsed(*command, "--select", request.select, given, "must be a selection text",
                                    "selection of the opening picture: see splatlas-player render --help");
   add_view(*command, request.camera, "direction of the opening picture")
       ->each([&request](const std::string&) { request.names_view = true; });
   add_parsed(*command, "--scene", request.scene, given, "must name a scene", "scene of the opening picture")
       ->excludes(select);
+  command->parse_complete_callback([&request, command] {
+    if (request.html.empty() && request.site.empty())
+      throw CLI::ValidationError("export", "needs --html OUT.html or --site FOLDER");
+    if (request.atlases.size() == 1) return;
+    for (const char* option : {"--html", "--select", "--scene", "--view"}) {
+      if (command->get_option(option)->count() > 0)
+        throw CLI::ValidationError(option, "goes with one atlas; leave it out, or name one");
+    }
+  });
   command->footer(kFooter);
   return command;
 }
 
-Result<void> run_export(const ExportRequest& request) {
-  SPLATLAS_RETURN_IF_ERROR(check_web_module());
-  SPLATLAS_RETURN_IF_ERROR(check_outputs(std::vector{request.html}, std::vector{request.atlas}));
-  SPLATLAS_RETURN_IF_ERROR(check_writable_file(request.html));
-  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, read_atlas(request.atlas));
-  SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas,
-                            Atlas::open_bytes(bytes, request.atlas.string()));
+namespace {
+
+/// Draws the page of an intact atlas. Everything opens as surfaces where it takes too much memory as volumes.
+Result<DrawnPage> draw_page(const ExportRequest& request, const std::shared_ptr<const Atlas>& atlas) {
   SPLATLAS_RETURN_IF_ERROR(atlas->verify());
   SPLATLAS_ASSIGN_OR_RETURN(Opening opening, opening_of(request, *atlas));
   Result<std::vector<std::byte>> drawn = draw(atlas, opening);
@@ -171,13 +197,96 @@ Result<void> run_export(const ExportRequest& request) {
     opening.select = "*:surface";
     drawn = draw(atlas, opening);
   }
-  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> picture, std::move(drawn));
-  SPLATLAS_ASSIGN_OR_RETURN(const std::string html, encode_html({.atlas = bytes,
-                                                                 .title = atlas->provenance().title,
-                                                                 .caption = opening.caption,
-                                                                 .opening = json_of(opening),
-                                                                 .picture = picture}));
+  SPLATLAS_ASSIGN_OR_RETURN(std::vector<std::byte> picture, std::move(drawn));
+  DrawnPage page;
+  page.html.title = atlas->provenance().title;
+  page.html.caption = opening.caption;
+  page.html.opening = json_of(opening);
+  page.picture = std::move(picture);
+  page.html.picture = page.picture;
+  return page;
+}
+
+Result<void> write_page(const ExportRequest& request) {
+  const std::filesystem::path& path = request.atlases.front();
+  SPLATLAS_RETURN_IF_ERROR(check_outputs(std::vector{request.html}, request.atlases));
+  SPLATLAS_RETURN_IF_ERROR(check_writable_file(request.html));
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, read_atlas(path));
+  SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open_bytes(bytes, path.string()));
+  SPLATLAS_ASSIGN_OR_RETURN(DrawnPage page, draw_page(request, atlas));
+  page.html.atlas = bytes;
+  SPLATLAS_ASSIGN_OR_RETURN(const std::string html, encode_html(page.html));
   return write_file(request.html, std::as_bytes(std::span(html)));
+}
+
+Result<void> add_file(OutputFolder& folder, const std::string& name, std::string_view text) {
+  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, folder.create_file(name));
+  SPLATLAS_RETURN_IF_ERROR(file.write(std::as_bytes(std::span(text))));
+  return folder.add(std::move(file));
+}
+
+Result<void> add_copy(OutputFolder& folder, const std::string& name, const std::filesystem::path& path) {
+  constexpr std::uint64_t kPieceBytes = std::uint64_t{1} << 20;
+  SPLATLAS_ASSIGN_OR_RETURN(const InputFile from, InputFile::open(path));
+  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, folder.create_file(name));
+  std::vector<std::byte> piece;
+  for (std::uint64_t offset = 0; offset < from.size(); offset += piece.size()) {
+    piece.resize(std::min(kPieceBytes, from.size() - offset));
+    SPLATLAS_RETURN_IF_ERROR(from.read(offset, piece));
+    SPLATLAS_RETURN_IF_ERROR(file.write(piece));
+  }
+  return folder.add(std::move(file));
+}
+
+/// Names of the files of the atlases in the site, without endings.
+Result<std::vector<std::string>> site_names(const std::vector<std::filesystem::path>& atlases) {
+  std::vector<std::string> names;
+  for (const std::filesystem::path& atlas : atlases) {
+    const std::string name = atlas.stem().string();
+    const auto same = [&](const std::string& other) { return equal_ignoring_case(other, name); };
+    if (std::ranges::any_of(names, same) || (atlases.size() > 1 && equal_ignoring_case(name, "index")))
+      return fail(ErrorCode::kUsage, "{}: the name {} is taken in the site; rename the file", atlas.string(),
+                  in_quotes(name));
+    names.push_back(name);
+  }
+  return names;
+}
+
+/// Draws all pages before it writes the first.
+Result<void> write_site(const ExportRequest& request) {
+  SPLATLAS_RETURN_IF_ERROR(check_writable_folder(request.site));
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::string> names, site_names(request.atlases));
+  const bool is_catalogue = names.size() > 1;
+  std::vector<std::string> pages;
+  std::vector<CatalogueEntry> entries;
+  for (std::size_t n = 0; n < names.size(); ++n) {
+    SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open(request.atlases[n]));
+    SPLATLAS_ASSIGN_OR_RETURN(DrawnPage page, draw_page(request, atlas));
+    page.html.url = percent_encoded(names[n] + ".atlas");
+    SPLATLAS_ASSIGN_OR_RETURN(std::string html, encode_html(page.html));
+    pages.push_back(std::move(html));
+    entries.push_back({.title = page.html.title.empty() ? names[n] : page.html.title,
+                       .text = fmt::format("{} structures, {:.1f} MB", atlas->graph().size(),
+                                           static_cast<double>(atlas->counters().file) / 1e6),
+                       .url = percent_encoded(names[n] + ".html"),
+                       .picture = std::move(page.picture)});
+  }
+
+  const DeferInterrupts no_folder_left;
+  SPLATLAS_ASSIGN_OR_RETURN(OutputFolder folder, OutputFolder::create(request.site));
+  for (std::size_t n = 0; n < names.size(); ++n) {
+    SPLATLAS_RETURN_IF_ERROR(add_file(folder, is_catalogue ? names[n] + ".html" : "index.html", pages[n]));
+    SPLATLAS_RETURN_IF_ERROR(add_copy(folder, names[n] + ".atlas", request.atlases[n]));
+  }
+  if (is_catalogue) SPLATLAS_RETURN_IF_ERROR(add_file(folder, "index.html", encode_catalogue(entries)));
+  return folder.commit();
+}
+
+}  // namespace
+
+Result<void> run_export(const ExportRequest& request) {
+  SPLATLAS_RETURN_IF_ERROR(check_web_module());
+  return request.site.empty() ? write_page(request) : write_site(request);
 }
 
 }  // namespace splatlas

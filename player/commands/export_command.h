@@ -1,8 +1,9 @@
-// Command splatlas-player export: an atlas to a page for browsers.
+// Command splatlas-player export: atlases to pages for browsers.
 #pragma once
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "format/result.h"
 #include "player/camera.h"
@@ -15,9 +16,10 @@ namespace splatlas {
 
 /// Arguments of the export command.
 struct ExportRequest {
-  std::filesystem::path atlas, html;
-  std::string select;  ///< empty: of the first scene, or everything
-  std::string scene;   ///< name; empty: none
+  std::vector<std::filesystem::path> atlases;  ///< one, unless `site` is given
+  std::filesystem::path html, site;            ///< one of them
+  std::string select;                          ///< empty: of the first scene, or everything
+  std::string scene;                           ///< name; empty: none
   Camera camera;
   bool names_view = false;  ///< --view is given
 };
@@ -26,7 +28,8 @@ struct ExportRequest {
 /// CLI::ValidationError with option, value and remedy.
 CLI::App* add_export(CLI::App& app, ExportRequest& request);
 
-/// Writes the page: the whole file, or none. Refuses damaged atlases. Errors name the file.
+/// Writes the page, or the folder of the site: all of it, or nothing. Refuses damaged atlases. Errors name
+/// the file.
 [[nodiscard]] Result<void> run_export(const ExportRequest& request);
 
 }  // namespace splatlas

@@ -34,6 +34,7 @@ constexpr const char* kDescription =
     "  splatlas-player brain.atlas                 opens a window\n"
     "  splatlas-player render brain.atlas -o picture.png --select 'Cerebellum:surface'\n"
     "  splatlas-player export brain.atlas --html brain.html    writes a page for browsers\n"
+    "  splatlas-player export *.atlas --site site              writes pages for a web server\n"
     "  splatlas-player info brain.atlas            lists structures and sizes";
 
 constexpr const char* kVersion = "splatlas-player " SPLATLAS_VERSION " (atlas format 1)";
@@ -209,7 +210,7 @@ Result<void> run_command(const CommandLine& line) {
 /// The file that the command reads.
 const std::filesystem::path& file_of(const CommandLine& line) {
   if (line.render->parsed()) return line.request.atlas;
-  return line.export_page->parsed() ? line.export_request.atlas : line.atlas;
+  return line.export_page->parsed() ? line.export_request.atlases.front() : line.atlas;
 }
 
 Result<void> run(int argc, char** argv) {

@@ -38,11 +38,11 @@ std::string hash_source(std::string_view text) {
 }
 
 /// Chromium takes no module workers from blob:, and compiles WebAssembly only with 'wasm-unsafe-eval'.
-std::string policy(std::string_view script, std::string_view style) {
+std::string policy(std::string_view script, std::string_view style, bool fetches) {
   return fmt::format(
       "default-src 'none'; script-src {} 'wasm-unsafe-eval'; worker-src blob:; style-src {}; img-src data:; "
-      "base-uri 'none'; form-action 'none'",
-      hash_source(script), hash_source(style));
+      "{}base-uri 'none'; form-action 'none'",
+      hash_source(script), hash_source(style), fetches ? "connect-src 'self'; " : "");
 }
 
 /// JSON in a data block: no end of the block is in it.
@@ -90,8 +90,8 @@ Result<std::string> encode_html(const HtmlPage& page) {
   const std::string script = page_script();
   const std::string_view style = page_style();
   const std::string title = page.title.empty() ? "Anatomy atlas" : page.title;
-  const std::array<std::pair<std::string_view, std::string>, 10> values{
-      {{"policy", policy(script, style)},
+  const std::array<std::pair<std::string_view, std::string>, 11> values{
+      {{"policy", policy(script, style, !page.url.empty())},
        {"title", escaped_markup(title)},
        {"caption", escaped_markup(page.caption)},
        {"style", std::string(style)},
@@ -100,8 +100,36 @@ Result<std::string> encode_html(const HtmlPage& page) {
        {"opening", json_in_markup(page.opening)},
        {"worker", worker_script()},
        {"module", base64(web_module_gzip())},
+       {"url", page.url},
        {"atlas", base64(page.atlas)}}};
   return fill(page_template(), values);
+}
+
+std::string encode_catalogue(std::span<const CatalogueEntry> entries) {
+  const std::string_view style = catalogue_style();
+  std::string list;
+  for (const CatalogueEntry& entry : entries) {
+    list += fmt::format(
+        "<li><a href=\"{}\"><img src=\"data:image/webp;base64,{}\" alt=\"\"><strong><bdi>{}</bdi></strong>"
+        "<span>{}</span></a></li>\n",
+        entry.url, base64(entry.picture), escaped_markup(entry.title), escaped_markup(entry.text));
+  }
+  const std::array<std::pair<std::string_view, std::string>, 3> values{
+      {{"policy",
+        fmt::format("default-src 'none'; style-src {}; img-src data:; base-uri 'none'; form-action 'none'",
+                    hash_source(style))},
+       {"style", std::string(style)},
+       {"list", list}}};
+  return fill(catalogue_template(), values);
+}
+
+std::string percent_encoded(std::string_view name) {
+  std::string url;
+  for (const char c : name) {
+    const bool is_plain = is_ascii_letter_or_digit(c) || c == '-' || c == '.' || c == '_' || c == '~';
+    url += is_plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return url;
 }
 
 }  // namespace splatlas

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "format/result.h"
 
@@ -11,7 +13,8 @@ namespace splatlas {
 
 /// Contents of a page.
 struct HtmlPage {
-  std::span<const std::byte> atlas;    ///< bytes of the file
+  std::span<const std::byte> atlas;    ///< bytes of the file; empty: at the url
+  std::string url;                     ///< of the file, relative to the page, percent-encoded
   std::string title;                   ///< any text; empty: a general one
   std::string caption;                 ///< any text, of the opening picture
   std::string opening;                 ///< JSON: the selection and the camera of the opening picture
@@ -22,6 +25,19 @@ struct HtmlPage {
 /// and workers alone, by their SHA-256. kFailed if this program was built without the WebAssembly module,
 /// with the remedy. Memory: twice the atlas.
 [[nodiscard]] Result<std::string> encode_html(const HtmlPage& page);
+
+/// An atlas in a catalogue.
+struct CatalogueEntry {
+  std::string title, text;         ///< any texts
+  std::string url;                 ///< of its page, percent-encoded
+  std::vector<std::byte> picture;  ///< WebP
+};
+
+/// A page with a picture and a link for each atlas.
+[[nodiscard]] std::string encode_catalogue(std::span<const CatalogueEntry> entries);
+
+/// A file name as a relative URL (RFC 3986).
+[[nodiscard]] std::string percent_encoded(std::string_view name);
 
 /// kFailed, with the remedy, if this program was built without the WebAssembly module.
 [[nodiscard]] Result<void> check_web_module();

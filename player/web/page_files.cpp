@@ -22,6 +22,8 @@
 
 SPLATLAS_EMBED(html, SPLATLAS_WEB_FOLDER "/page/page.html")
 SPLATLAS_EMBED(css, SPLATLAS_WEB_FOLDER "/page/page.css")
+SPLATLAS_EMBED(catalogue_html, SPLATLAS_WEB_FOLDER "/page/catalogue.html")
+SPLATLAS_EMBED(catalogue_css, SPLATLAS_WEB_FOLDER "/page/catalogue.css")
 SPLATLAS_EMBED(camera_js, SPLATLAS_WEB_FOLDER "/page/camera.js")
 SPLATLAS_EMBED(model_js, SPLATLAS_WEB_FOLDER "/page/model.js")
 SPLATLAS_EMBED(engine_js, SPLATLAS_WEB_FOLDER "/page/engine.js")
@@ -43,6 +45,14 @@ std::string_view page_template() {
 
 std::string_view page_style() {
   return css();
+}
+
+std::string_view catalogue_template() {
+  return catalogue_html();
+}
+
+std::string_view catalogue_style() {
+  return catalogue_css();
 }
 
 std::string page_script() {

@@ -10,6 +10,9 @@ namespace splatlas {
 [[nodiscard]] std::string_view page_template();
 /// Style sheet.
 [[nodiscard]] std::string_view page_style();
+/// Markup and style sheet of a catalogue.
+[[nodiscard]] std::string_view catalogue_template();
+[[nodiscard]] std::string_view catalogue_style();
 /// The page's script: its sources in the order of their use.
 [[nodiscard]] std::string page_script();
 /// The script of its workers.

@@ -80,6 +80,32 @@ class Splatlas {
     this.camera = {};
   }
 
+  /** Opens an atlas on a server: the caller fetches what wanted() names, gives it, and opens again until it is open.
+   * Later pictures and fits may want more; their parts are missing until they are given.
+   * @param {number} size of the file in bytes
+   * @returns {boolean} whether it is open */
+  openRemote(size) {
+    try {
+      this.#call('open_remote', size);
+    } catch (error) {
+      if (error.code !== 'failed') throw error;
+      return false;
+    }
+    this.camera = {};
+    return true;
+  }
+
+  /** Ranges of the file that calls have missed since the last wanted(). @returns {number[][]} [offset, bytes] */
+  wanted() {
+    return this.#answer('wanted');
+  }
+
+  /** Adds a piece of the file. @param {Uint8Array} bytes */
+  give(offset, bytes) {
+    this.#give(bytes);
+    this.#call('give', offset);
+  }
+
   /** What the atlas holds: the document of `splatlas-player info --json`. `structures` are in the order of their
    * indices, with id, name, parents (ids), color, voxels, triangles and terms (synonyms, languages, codes); `scenes`
    * have name, caption, select, azimuth, elevation and zoom; `views` name, azimuth and elevation; `display` the window of

@@ -11,12 +11,14 @@
 
 #include <nlohmann/json.hpp>
 
+#include "format/io/input_file.h"
 #include "format/result_macros.h"
 #include "format/text/json_text.h"
 #include "player/camera_moves.h"
 #include "player/renderer.h"
 #include "player/web/info_json.h"
 #include "player/web/ray_casting.h"
+#include "player/web/remote_bytes.h"
 #include "player/web/render_warnings.h"
 
 namespace splatlas {
@@ -28,6 +30,7 @@ using Json = nlohmann::ordered_json;
 struct WebPlayer {
   std::vector<std::byte> input;
   std::string text;
+  std::shared_ptr<RemoteBytes> remote;  // of the atlas that is open, or is being opened
   std::optional<Renderer> renderer;
   Selection selection;
   Camera camera;
@@ -62,6 +65,21 @@ int answer(const Body& body) {
 
 std::string line_of(const Json& json) {
   return json_text(json, -1);
+}
+
+constexpr const char* kAtlasName = "atlas";
+
+void close() {
+  player().frame = {};
+  player().renderer.reset();
+  player().selection = {};
+}
+
+/// Opens an atlas. Nothing is selected.
+void play(std::shared_ptr<const Atlas> atlas) {
+  player().renderer.emplace(std::move(atlas), RendererOptions{.threads = 1});
+  player().camera = {};
+  player().options = {};
 }
 
 Result<Renderer*> open_renderer() {
@@ -220,14 +238,45 @@ std::uint32_t splatlas_text_bytes() {
 
 int splatlas_open() {
   return answer([]() -> Result<std::string> {
-    player().frame = {};
-    player().renderer.reset();
-    player().selection = {};
+    close();
+    player().remote.reset();
     SPLATLAS_ASSIGN_OR_RETURN(std::shared_ptr<const Atlas> atlas,
-                              Atlas::open_bytes(std::exchange(player().input, {}), "atlas"));
-    player().renderer.emplace(std::move(atlas), RendererOptions{.threads = 1});
-    player().camera = {};
-    player().options = {};
+                              Atlas::open_bytes(std::exchange(player().input, {}), kAtlasName));
+    play(std::move(atlas));
+    return std::string();
+  });
+}
+
+int splatlas_open_remote(double bytes) {
+  return answer([&]() -> Result<std::string> {
+    if (player().renderer || !player().remote) player().remote = std::make_shared<RemoteBytes>();
+    close();
+    const auto read = [remote = player().remote](std::uint64_t offset, std::span<std::byte> to) {
+      return remote->read(offset, to);
+    };
+    SPLATLAS_ASSIGN_OR_RETURN(
+        std::shared_ptr<const Atlas> atlas,
+        Atlas::open_file(InputFile(static_cast<std::uint64_t>(bytes), read, kAtlasName)));
+    play(std::move(atlas));
+    return std::string();
+  });
+}
+
+int splatlas_wanted() {
+  return answer([]() -> Result<std::string> {
+    Json ranges = Json::array();
+    if (player().remote) {
+      for (const ByteRange& range : player().remote->take_missed())
+        ranges.push_back({range.offset, range.bytes});
+    }
+    return line_of(ranges);
+  });
+}
+
+int splatlas_give(double offset) {
+  return answer([&]() -> Result<std::string> {
+    if (!player().remote) return fail(ErrorCode::kUsage, "no atlas on a server is open");
+    player().remote->give(static_cast<std::uint64_t>(offset), std::exchange(player().input, {}));
     return std::string();
   });
 }

@@ -22,6 +22,14 @@ SPLATLAS_WEB(splatlas_text_bytes) std::uint32_t splatlas_text_bytes();
 
 /// Opens the atlas in the input, in place of the one before. Nothing is selected.
 SPLATLAS_WEB(splatlas_open) int splatlas_open();
+/// Opens an atlas of this many bytes on a server, in place of the one before. Fails until splatlas_give() has
+/// brought what splatlas_wanted() names. Nothing is selected.
+SPLATLAS_WEB(splatlas_open_remote) int splatlas_open_remote(double bytes);
+/// Text: the ranges that the calls since the last one have missed: [[offset, bytes], ...]. After a picture
+/// that wanted some, give them and render again.
+SPLATLAS_WEB(splatlas_wanted) int splatlas_wanted();
+/// Adds the input as a piece of the file of splatlas_open_remote().
+SPLATLAS_WEB(splatlas_give) int splatlas_give(double offset);
 /// Text: the document of `splatlas-player info --json`.
 SPLATLAS_WEB(splatlas_info) int splatlas_info();
 

@@ -1,6 +1,5 @@
 // Replaces files, environment and memory limit of a system, in sources of the format and functions of the C
 // library. The module thus imports only a clock and an exit.
-#include <algorithm>
 #include <utility>
 
 #include "format/io/input_file.h"
@@ -24,17 +23,14 @@ Result<InputFile> InputFile::open(const std::filesystem::path& path, bool /*map*
   return fail(ErrorCode::kFailed, "{}: a page opens no files", path.string());
 }
 
-InputFile::InputFile(std::vector<std::byte> bytes, std::string name)
-    : bytes_(std::move(bytes)), size_(bytes_.size()), name_(std::move(name)) {}
 InputFile::InputFile(InputFile&& other) noexcept
-    : bytes_(std::move(other.bytes_)), size_(std::exchange(other.size_, 0)), name_(std::move(other.name_)) {}
+    : read_(std::move(other.read_)), size_(std::exchange(other.size_, 0)), name_(std::move(other.name_)) {}
 InputFile::~InputFile() = default;
 
 Result<void> InputFile::read(std::uint64_t offset, std::span<std::byte> to) const {
   if (offset > size_ || to.size() > size_ - offset)
     return invalid_atlas("truncated: bytes {} to {} of {}", offset, offset + to.size(), size_);
-  std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(offset), to.size(), to.begin());
-  return {};
+  return read_(offset, to);
 }
 
 std::uint64_t machine_memory() {

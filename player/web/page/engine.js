@@ -4,6 +4,7 @@
 const kDraftBudget = 40;   // ms
 const kRefineDelay = 120;  // ms of rest before a refinement
 const kMaxRestarts = 3;
+const kFirstPiece = 65536;  // bytes: header and directory of most atlases
 
 /** The text of a data block of the page. */
 function block(id) {
@@ -15,11 +16,66 @@ function bytesOfBase64(text) {
   return Uint8Array.from(atob(text), character => character.charCodeAt(0));
 }
 
+/** A file beside the page, on a server that may answer with ranges. Fetches each piece once. */
+class RemoteFile {
+  #url;
+  #first = null;         // bytes from the begin
+  #pieces = new Map();   // promises of bytes, by range
+
+  constructor(url) {
+    this.#url = url;
+    /** Of the file, in bytes; set by start(). */
+    this.size = undefined;
+  }
+
+  /** Fetches the begin. @returns {?Uint8Array} the whole file, from servers without ranges; else null */
+  async start() {
+    const response = await this.#request(0, kFirstPiece);
+    const bytes = new Uint8Array(await response.arrayBuffer());
+    if (response.status === 200) return bytes;
+    this.size = Number(response.headers.get('Content-Range').split('/')[1]);
+    if (!Number.isInteger(this.size)) throw new Error(`${this.#url}: the server does not tell its size`);
+    this.#first = bytes;
+    return null;
+  }
+
+  piece(offset, bytes) {
+    if (offset + bytes <= this.#first.length) return this.#first.slice(offset, offset + bytes);
+    const range = `${offset} ${bytes}`;
+    if (!this.#pieces.has(range)) {
+      const piece = this.#fetch(offset, bytes);
+      this.#pieces.set(range, piece);
+      piece.catch(() => this.#pieces.delete(range));
+    }
+    return this.#pieces.get(range);
+  }
+
+  async #fetch(offset, bytes) {
+    const response = await this.#request(offset, bytes);
+    const piece = new Uint8Array(await response.arrayBuffer());
+    if (response.status !== 206 || piece.length !== bytes)
+      throw new Error(`${this.#url}: another answer than ${bytes} bytes`);
+    return piece;
+  }
+
+  async #request(offset, bytes) {
+    let response = null;
+    try {
+      response = await fetch(this.#url, {headers: {Range: `bytes=${offset}-${offset + bytes - 1}`}});
+    } catch {
+      throw new Error(`${this.#url}: no answer; the page must come from a web server`);
+    }
+    if (!response.ok) throw new Error(`${this.#url}: the server answers ${response.status}`);
+    return response;
+  }
+}
+
 /** Draws the newest state by workers. Calls the handlers {ready, picture, drawn, picked, measured, error, stopped}. */
 class Engine {
   #handlers;
   #module = null;
-  #atlas = null;
+  #atlas = null;  // bytes; null: on a server
+  #remote = null;
   #source;
   #workers = [];  // drafts and picks, and refines; the same one on a single core
   #serial = 0;
@@ -39,7 +95,13 @@ class Engine {
     const packed = new Blob([bytesOfBase64(block('module'))]);
     const unpacked = new Response(packed.stream().pipeThrough(new DecompressionStream('gzip')));
     this.#module = await WebAssembly.compile(await unpacked.arrayBuffer());
-    this.#atlas = bytesOfBase64(block('atlas'));
+    const {url} = document.getElementById('atlas').dataset;
+    if (url) {
+      this.#remote = new RemoteFile(url);
+      this.#atlas = await this.#remote.start();
+    } else {
+      this.#atlas = bytesOfBase64(block('atlas'));
+    }
     this.#source = URL.createObjectURL(new Blob([block('worker')], {type: 'text/javascript'}));
     const count = navigator.hardwareConcurrency === 1 ? 1 : 2;
     for (let n = 0; n < count; ++n) this.#workers.push(this.#begin(n));
@@ -73,11 +135,12 @@ class Engine {
       event.preventDefault();
       this.#receive(n, {type: 'fatal', message: event.message || 'a worker has stopped'});
     };
-    worker.postMessage({type: 'start', module: this.#module, atlas: this.#atlas});
+    worker.postMessage({type: 'start', module: this.#module, atlas: this.#atlas, size: this.#remote?.size});
     return worker;
   }
 
   #receive(n, message) {
+    if (message.type === 'wanted') return this.#fetch(n, message.ranges);
     if (message.type === 'fatal') return this.#restart(n, message.message);
     if (message.type === 'ready') {
       if (n > 0) return;
@@ -97,6 +160,18 @@ class Engine {
     if (!isDraft || this.#refined !== this.#serial) this.#handlers.picture(message);
     if (isDraft) this.#refineSoon();
     return undefined;
+  }
+
+  /** Fetches ranges of an atlas on a server, and gives them to a worker. */
+  async #fetch(n, ranges) {
+    const worker = this.#workers[n];
+    try {
+      const pieces = await Promise.all(ranges.map(async ([offset, bytes]) =>
+        ({offset, bytes: await this.#remote.piece(offset, bytes)})));
+      worker.postMessage({type: 'given', pieces});
+    } catch (error) {
+      this.#handlers.error(`The atlas could not be loaded: ${error.message}. Choose again to try again.`);
+    }
   }
 
   /** Drafts of a drag are shown although a newer one is asked for; old refinements are not. */

@@ -1,7 +1,7 @@
 // A worker of the page: draws and picks with the module. Follows splatlas.js in one script.
 //
-// From the page:  {type: 'start', module, atlas}, then {type: 'draw'}, {type: 'pick'} and {type: 'measure'}; see engine.js.
-// To the page:    'ready', 'picture', 'picked', 'measured', 'error' (the worker goes on) and 'fatal' (it does not).
+// From the page:  {type: 'start', module, atlas or size}, 'given' pieces of an atlas on a server, and then {type: 'draw'}, {type: 'pick'} and {type: 'measure'}; see engine.js.
+// To the page:    'wanted' pieces, 'ready', 'picture', 'picked', 'measured', 'error' (the worker goes on) and 'fatal' (it does not).
 'use strict';
 
 (() => {
@@ -9,14 +9,17 @@ const kMinScale = 0.25;
 const kScaleStep = 1 / 16;
 const kMaxGrowth = 1.25;
 
+let opening = null;    // the module until its atlas is open
 let splatlas = null;
 let selected = null;   // text of the module's selection
 let scale = 1;         // size of drafts, relative to the size asked for
 let latest = null;     // {serial, width, height} of the latest picture
 let drawRequest = null;
+let waiting = null;    // a request that waits for pieces
 let pickRequest = null;
 let measureRequest = null;
 let isAwake = false;
+let size = null;       // of an atlas on a server
 
 // A message to oneself, behind all messages that wait: only the newest request is drawn.
 const channel = new MessageChannel();
@@ -24,6 +27,7 @@ channel.port1.onmessage = work;
 
 self.onmessage = ({data}) => {
   if (data.type === 'start') return start(data);
+  if (data.type === 'given') return take(data.pieces);
   if (data.type === 'draw') drawRequest = data;
   if (data.type === 'pick') pickRequest = data;
   if (data.type === 'measure') measureRequest = data;
@@ -36,15 +40,63 @@ function wake() {
   channel.port2.postMessage(null);
 }
 
-async function start({module, atlas}) {
+async function start({module, atlas, size: bytes}) {
+  size = bytes ?? null;
   try {
-    splatlas = await Splatlas.load(module);
-    splatlas.open(atlas);
-    self.postMessage({type: 'ready', info: splatlas.info()});
-    wake();
+    const loaded = await Splatlas.load(module);
+    if (atlas) loaded.open(atlas);
+    opening = loaded;
+  } catch (error) {
+    return fail(error, 0, true);
+  }
+  return startDrawing();
+}
+
+/** Gets ready once the atlas is open. */
+function startDrawing() {
+  try {
+    open();
   } catch (error) {
     fail(error, 0, true);
   }
+}
+
+function open() {
+  const isOpen = size === null || opening.openRemote(size);
+  if (!isOpen && want(opening)) return;
+  if (!isOpen) throw new Error('the atlas cannot be opened');
+  [splatlas, opening] = [opening, null];
+  self.postMessage({type: 'ready', info: splatlas.info()});
+  wake();
+}
+
+/** Asks the page for the pieces that the latest calls have missed. @returns {boolean} false if there are none */
+function want(module) {
+  const ranges = size === null ? [] : module.wanted();
+  if (ranges.length > 0) self.postMessage({type: 'wanted', ranges});
+  return ranges.length > 0;
+}
+
+/** Calls the module. @returns {?object} null if it has missed pieces, which the page is asked for */
+function complete(call) {
+  let [answer, error] = [null, null];
+  try {
+    answer = call();
+  } catch (caught) {
+    if (!(caught instanceof Splatlas.Error)) throw caught;
+    error = caught;
+  }
+  if (want(splatlas)) return null;
+  if (error) throw error;
+  return answer;
+}
+
+/** Takes pieces, and goes on with what has waited for them. */
+function take(pieces) {
+  for (const {offset, bytes} of pieces) (splatlas ?? opening).give(offset, bytes);
+  if (opening) return startDrawing();
+  [drawRequest, waiting] = [drawRequest ?? waiting, null];
+  return wake();
 }
 
 function work() {
@@ -74,7 +126,12 @@ function drawPicture(request) {
   const warnings = isNew ? select(request.select) : [];
   const begin = performance.now();
   const shrink = request.quality === 'draft' ? scale : 1;
-  const picture = renderWithinMemory(request, shrink);
+  const picture = complete(() => renderWithinMemory(request, shrink));
+  if (picture === null) {
+    waiting = request;
+    selected = null;  // the module leaves out what is missing until it selects anew
+    return;
+  }
   if (request.quality === 'draft' && !isNew) adapt(performance.now() - begin, request.budget);
   self.postMessage({
     type: 'picture', serial: request.serial, quality: request.quality, camera: splatlas.camera, warnings,

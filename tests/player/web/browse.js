@@ -1,5 +1,6 @@
 // node browse.js PAGE FOLDER NAME: drives a page of `splatlas-player export --html` in Chromium, from file://.
 //
+// FOLDER/site has its site, which a server with ranges and one without give to the browser, too.
 // Loads it, drags, searches for NAME, chooses, picks, cuts, undoes, and steps through the scenes, at the sizes of a
 // desk and of a phone. Console messages, requests and dialogs are failures. Writes screenshots into FOLDER.
 // The page must have scenes. Installs puppeteer-core in FOLDER. SPLATLAS_BROWSER may name another Chromium, or Firefox.
@@ -11,6 +12,7 @@ const fs = require('node:fs');
 const path = require('node:path');
 const {createRequire} = require('node:module');
 const {pathToFileURL} = require('node:url');
+const {serve} = require('./serve.js');
 
 const kBrowser = process.env.SPLATLAS_BROWSER ?? '/usr/bin/chromium';
 const kIsFirefox = kBrowser.includes('firefox');
@@ -43,7 +45,8 @@ function puppeteer() {
 const textOfCanvas = () => document.getElementById('canvas').toDataURL();
 
 class Visit {
-  constructor(page, viewport) {
+  /** @param {?string} site the only address that the page may fetch from; null: none */
+  constructor(page, viewport, site = null) {
     this.page = page;
     this.viewport = viewport;
     this.messages = [];
@@ -54,7 +57,8 @@ class Visit {
       dialog.dismiss();
     });
     page.on('request', request => {
-      if (!/^(file|data|blob):/.test(request.url())) this.messages.push(`request: ${request.url()}`);
+      const isOwn = /^(file|data|blob):/.test(request.url()) || (site !== null && request.url().startsWith(site));
+      if (!isOwn) this.messages.push(`request: ${request.url()}`);
     });
   }
 
@@ -190,7 +194,7 @@ async function ask(visit) {
   });
   await page.waitForFunction('window.copied', {timeout: kPatience});
   assert.match(await page.evaluate(() => window.copied),
-    /^\[\[scene\]\]\n.*select = "Sphere_1:volume"\n.*zoom = 2\n.*cuts = \["0,-1,0,0", "0.5,0,0.5,4"\]\n$/s);
+    /^\[\[scene\]\]\n.*select = "\*:volume"\n.*zoom = 2\n.*cuts = \["0,-1,0,-15", "0.5,0,0.5,20"\]\n$/s);
 }
 
 async function onDesk(visit, url) {
@@ -236,7 +240,8 @@ async function byLink(visit, link) {
 /** A page whose atlas is cut short tells so, and keeps its opening picture. */
 async function onDamage(visit) {
   const html = fs.readFileSync(file, 'utf8');
-  const begin = html.indexOf('id="atlas">') + 'id="atlas">'.length;
+  const tag = 'id="atlas" data-url="">';
+  const begin = html.indexOf(tag) + tag.length;
   const half = 4 * Math.floor((html.indexOf('</script>', begin) - begin) / 8);
   const damaged = path.resolve(folder, 'damaged.html');
   fs.writeFileSync(damaged, html.slice(0, begin + half) + html.slice(html.indexOf('</script>', begin)));
@@ -248,21 +253,38 @@ async function onDamage(visit) {
   await visit.picture('damaged');
 }
 
+/** Plays the site from a server. */
+async function onServer(newPage, ranges) {
+  const server = await serve(path.join(folder, 'site'), {ranges});
+  const visit = new Visit(await newPage(), kDesk, server.url);
+  await visit.open(server.url);
+  await visit.changes('scene', () => visit.page.keyboard.press('n'));
+  await visit.changes('show all', () => visit.page.click('#show-all'));
+  await visit.picture(ranges ? 'site' : 'site_whole');
+  // The favicon is the browser's own request
+  assert.deepStrictEqual(visit.messages.filter(message => !message.includes('404')), []);
+  await visit.page.close();
+  server.close();
+}
+
 async function main() {
   const library = puppeteer();
   if (!library || !fs.existsSync(kBrowser)) return 77;
   const browser = await library.launch(kIsFirefox ? {browser: 'firefox', executablePath: kBrowser} :
     {executablePath: kBrowser, args: ['--no-sandbox', '--no-first-run']});
   try {
+    const newPage = async () => (await browser.createBrowserContext()).newPage();
     const url = pathToFileURL(path.resolve(file)).href;
     let link = '';
     for (const [viewport, run] of [[kDesk, async (visit, at) => { link = await onDesk(visit, at); }],
       [kPhone, onPhone], [kDesk, visit => byLink(visit, link)], [kDesk, onDamage]]) {
-      const visit = new Visit(await (await browser.createBrowserContext()).newPage(), viewport);
+      const visit = new Visit(await newPage(), viewport);
       await run(visit, url);
       assert.deepStrictEqual(visit.messages, []);
       await visit.page.close();
     }
+    await onServer(newPage, true);
+    await onServer(newPage, false);
   } finally {
     await browser.close();
   }

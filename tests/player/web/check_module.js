@@ -1,6 +1,7 @@
 // node check_module.js CHECK MODULE FOLDER: a check of splatlas.wasm with the scenes of splatlas-web-scenes in FOLDER.
 //   pictures   equal the native ones, to 2e-5 of full scale
 //   interface  imports and exports are exactly those listed here
+//   pieces     an atlas in pieces, as from a server, gives the same pictures, and not all of it is read
 //   damage     damaged atlases give an error, or a picture that tells what is missing, never a trap
 // Exit status 77: there is no module.
 'use strict';
@@ -13,9 +14,9 @@ const kCaps = ['values', 'labels', 'both', 'none'];
 const kQualities = ['draft', 'normal', 'high'];
 const kImports = ['wasi_snapshot_preview1.clock_time_get', 'wasi_snapshot_preview1.proc_exit'];
 const kExports = ['__wasm_call_ctors', 'memory', 'splatlas_camera', 'splatlas_clear_cuts', 'splatlas_cut',
-  'splatlas_drawn', 'splatlas_fit', 'splatlas_floats', 'splatlas_info', 'splatlas_input', 'splatlas_open', 'splatlas_options',
-  'splatlas_pick', 'splatlas_pixels', 'splatlas_render', 'splatlas_scene', 'splatlas_select', 'splatlas_stats',
-  'splatlas_text', 'splatlas_text_bytes'];
+  'splatlas_drawn', 'splatlas_fit', 'splatlas_floats', 'splatlas_give', 'splatlas_info', 'splatlas_input', 'splatlas_open',
+  'splatlas_open_remote', 'splatlas_options', 'splatlas_pick', 'splatlas_pixels', 'splatlas_render', 'splatlas_scene', 'splatlas_select', 'splatlas_stats',
+  'splatlas_text', 'splatlas_text_bytes', 'splatlas_wanted'];
 
 function draw(splatlas, atlas, scene) {
   splatlas.open(atlas);
@@ -72,6 +73,47 @@ function checkInterface(module) {
   assert.deepStrictEqual(WebAssembly.Module.exports(module).map(e => e.name).sort(), kExports);
 }
 
+async function checkPieces(module, folder) {
+  const atlas = fs.readFileSync(path.join(folder, 'lesson.atlas'));
+  const [whole, remote] = [await Splatlas.load(module), await Splatlas.load(module)];
+  let read = 0, rounds = 0;
+  const give = () => {
+    const ranges = remote.wanted();
+    for (const [offset, bytes] of ranges) {
+      remote.give(offset, atlas.subarray(offset, offset + bytes));
+      read += bytes;
+    }
+    rounds += ranges.length > 0;
+    return ranges.length > 0;
+  };
+  const floatsOf = (splatlas, select) => {
+    splatlas.select(select);
+    splatlas.camera = {azimuth: 30, elevation: 20};
+    try {
+      splatlas.fit(120, 90);
+      splatlas.render(120, 90);
+    } catch (error) {
+      assert(splatlas === remote && error.code === 'failed', error);  // nothing of it is there
+      return null;
+    }
+    return splatlas.floats();
+  };
+  whole.open(atlas);
+  while (!remote.openRemote(atlas.length)) assert(give(), 'the atlas does not open');
+  const directory = read;
+  for (const select of ['Sphere_1:surface', 'Sphere_1:both', '*:volume', '*:surface(ghost)']) {
+    const expected = floatsOf(whole, select);
+    let floats = floatsOf(remote, select);
+    while (give()) floats = floatsOf(remote, select);
+    assert.deepStrictEqual(floats, expected, select);
+    if (select === 'Sphere_1:surface') assert(read - directory < 0.7 * atlas.length, 'read too much');
+  }
+  console.log(`${read} of ${atlas.length} bytes in ${rounds} rounds`);
+  assert(read <= atlas.length);
+  remote.openRemote(atlas.length);
+  assert.deepStrictEqual(remote.wanted(), [[0, 64]]);
+}
+
 /** The outcome of opening and drawing an atlas: 'error', 'part', or the pictures. */
 function outcome(splatlas, atlas) {
   try {
@@ -115,7 +157,7 @@ async function checkDamage(module, folder) {
 async function main([check, file, folder]) {
   if (!fs.existsSync(file)) return 77;
   const module = await WebAssembly.compile(fs.readFileSync(file));
-  await {pictures: checkPictures, interface: checkInterface, damage: checkDamage}[check](module, folder);
+  await {pictures: checkPictures, interface: checkInterface, pieces: checkPieces, damage: checkDamage}[check](module, folder);
   return 0;
 }
 

@@ -29,7 +29,8 @@ function textOf(html, tag, end) {
   return html.slice(begin, html.indexOf(end, begin));
 }
 
-const dataOf = (html, id) => textOf(html, `<script type="text/plain" id="${id}">`, '</script>');
+const dataOf = (html, id, url = '') =>
+  textOf(html, `<script type="text/plain" id="${id}"${id === 'atlas' ? ` data-url="${url}"` : ''}>`, '</script>');
 
 function checkPolicy(html) {
   const policy = textOf(html, '<meta http-equiv="Content-Security-Policy" content="', '">');
@@ -71,10 +72,44 @@ function checkOpening() {
   };
   assert.strictEqual(opening().scene, 0);
   const third = opening('--scene', 'third');
-  assert.strictEqual(third.select, 'Sphere_1:volume');
+  assert.strictEqual(third.select, '*:volume');
   assert.deepStrictEqual(third.camera.center, opening('--select', 'Sphere_2:volume').camera.center);
   const {select, scene, camera} = opening('--select', 'Sphere_2:surface', '--view', 'left');
   assert.deepStrictEqual([select, scene, camera.azimuth, camera.elevation], ['Sphere_2:surface', null, 90, 0]);
+}
+
+/** Sites of one atlas and of two: pages beside the atlases, which they alone fetch. */
+function checkSites() {
+  const atSite = (name, ...args) => {
+    const {status, stderr} = spawnSync(player, ['export', ...args, '--site', path.join(folder, name)], {encoding: 'utf8'});
+    return {status, message: stderr};
+  };
+  const read = file => fs.readFileSync(path.join(folder, file), 'utf8');
+  for (const name of ['site', 'library', 'none']) fs.rmSync(path.join(folder, name), {recursive: true, force: true});
+  const phantom = path.join(folder, 'Two balls.atlas');
+  fs.copyFileSync(path.join(atlases, 'phantom.atlas'), phantom);
+  assert.deepStrictEqual(atSite('site', lesson), {status: 0, message: ''});
+  assert.deepStrictEqual(fs.readdirSync(path.join(folder, 'site')).sort(), ['index.html', 'lesson.atlas']);
+  assert.strictEqual(dataOf(read('site/index.html'), 'atlas', 'lesson.atlas'), '');
+  assert(read('site/index.html').includes("connect-src 'self'; "));
+  assert(fs.readFileSync(path.join(folder, 'site', 'lesson.atlas')).equals(fs.readFileSync(lesson)));
+
+  assert.deepStrictEqual(atSite('library', lesson, phantom), {status: 0, message: ''});
+  assert.deepStrictEqual(fs.readdirSync(path.join(folder, 'library')).sort(),
+    ['Two balls.atlas', 'Two balls.html', 'index.html', 'lesson.atlas', 'lesson.html']);
+  const catalogue = read('library/index.html');
+  assert.deepStrictEqual(catalogue.match(/href="[^"]*"/g), ['href="lesson.html"', 'href="Two%20balls.html"']);
+  assert(catalogue.includes('&lt;/title&gt;&lt;script&gt;alert(3)&lt;/script&gt;') && !catalogue.includes('<script'));
+  assert.strictEqual(dataOf(read('library/Two balls.html'), 'atlas', 'Two%20balls.atlas'), '');
+
+  for (const [status, words, ...args] of [[1, /library/, lesson, phantom], [2, /"lesson"/, lesson, lesson],
+    [2, /--scene/, lesson, phantom, '--scene', 'Second']]) {
+    const {status: got, message} = atSite(status === 1 ? 'library' : 'none', ...args);
+    assert.strictEqual(got, status, message);
+    assert.match(message, words);
+  }
+  assert(!fs.existsSync(path.join(folder, 'none')));
+  assert.strictEqual(fs.readdirSync(path.join(folder, 'library')).length, 5);
 }
 
 function checkErrors() {
@@ -114,6 +149,7 @@ function main() {
   checkContents(html);
   checkMarkup(html);
   checkOpening();
+  checkSites();
   checkErrors();
   return 0;
 }

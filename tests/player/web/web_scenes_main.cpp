@@ -125,8 +125,8 @@ AtlasContent lesson_content() {
   content.provenance.citation = "<iframe src='javascript:alert(4)'>";
   content.scenes = {{"Both <i>balls</i>", "\"><svg onload=alert(5)> {{script}}", "*:surface", 20, 30, 1},
                     {"Second", "One is faint.", "Sphere_1:surface + Sphere_2:surface(opacity=0.5)", 90, 0, 1},
-                    {"Third", "The <b>first</b> one.", "Sphere_1:volume", 0, 90, 2,
-                     "Which <b>ball</b> is it?", "anterior=0 0.5,0,0.5,4", "Sphere_2"}};
+                    {"Third", "The <b>first</b> one.", "*:volume", 0, 90, 2, "Which <b>ball</b> is it?",
+                     "anterior=-15 0.5,0,0.5,20", "Sphere_2"}};
   return content;
 }
 
