@@ -26,7 +26,8 @@ enum class DepthCue : std::uint8_t {
 
 /// Quality of a picture: draft, normal, high.
 ///
-/// Sheets draw parallel projections with pre-classification:
+/// Sheets draw parallel projections with pre-classification, rays all else. In high quality, rays draw all
+/// volumes whose voxels are at least a pixel wide, if memory allows. Sheets have:
 ///   - Sheet pixels per picture pixel, along each axis: 1, 1.5, 2. Sheet pixels per voxel: at most 2, 4, 8.
 ///   - Selections with sharp edges: 1, 2.25, 2.5; at most 2, 6, 8 per voxel. Their maximum
 ///     optical depth over the reference length is at least 1 (opacity 0.63) on average.
@@ -110,6 +111,7 @@ struct RenderStats {
   std::uint64_t voxels_visited = 0;  ///< splatted voxels, or voxels of the ray volume
   int level = 0;                     ///< splatted voxels are means of 2^level along each axis
   int surface_level = 0;             ///< surfaces are those of blocks of 2^level voxels
+  bool rays = false;                 ///< the volume is drawn by rays, not by sheets
   std::uint64_t triangles = 0;       ///< projected triangles
   double select_ms = 0, decode_ms = 0, render_ms = 0;
   /// Stages:

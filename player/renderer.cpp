@@ -15,6 +15,7 @@
 #include "player/render/frame/face_store.h"
 #include "player/render/frame/fit_selection.h"
 #include "player/render/frame/ray_frame.h"
+#include "player/render/frame/ray_store.h"
 #include "player/render/frame/sheet_frame.h"
 #include "player/render/frame/span_store.h"
 #include "player/render/frame/stopwatch.h"
@@ -33,11 +34,6 @@ struct FrameCall {
 /// Progress of a frame after decoding, and number of loops that draw its volume.
 constexpr double kDecoded = 0.2, kPrepared = 0.3;
 constexpr std::size_t kSheetLoops = 4, kRayLoops = 1;
-
-/// True for pictures by ray casting, false for shear-warp factorisation.
-bool is_by_rays(const View& view, const RenderOptions& options) {
-  return view.eye_mm || options.classification == Classification::kAfter;
-}
 
 }  // namespace
 
@@ -73,7 +69,7 @@ struct Renderer::Impl {
   /// Replaces the draw plan and drops all data of the previous one.
   void draw(DrawPlan plan) {
     spans.outdate();  // first: out of memory in draw() leaves an empty plan
-    ray_volume.reset();
+    rays.clear();
     faces.clear();
     forget_frames();
     drawn.draw(std::move(plan));
@@ -89,7 +85,7 @@ struct Renderer::Impl {
   void draw_nothing() {
     drawn.clear();
     spans.clear();
-    ray_volume.reset();
+    rays.clear();
     faces.clear();
     forget_frames();
   }
@@ -104,11 +100,26 @@ struct Renderer::Impl {
     SPLATLAS_RETURN_IF_ERROR(check_ids(options, *atlas));
     SPLATLAS_RETURN_IF_ERROR(reserve_memory(options));
     const FrameCall call{view, options, overrides, task};
-    SPLATLAS_RETURN_IF_ERROR(is_by_rays(view, options) ? render_rays(call, frame)
-                                                       : render_sheets(call, frame));
+    SPLATLAS_RETURN_IF_ERROR(render(call, frame));
     frame.stats = stats;
     frame.missing = decoded.missing();
     return {};
+  }
+
+  /// True if the picture would be better by rays.
+  [[nodiscard]] bool gains_by_rays(const View& view, const RenderOptions& options) const {
+    return !volume_classes(drawn.plan()).empty() && splatlas::gains_by_rays(view, options, atlas->grid());
+  }
+
+  [[nodiscard]] Result<void> render(const FrameCall& call, Frame& frame) {
+    const bool needs = needs_rays(call.view, call.options);
+    stats.rays = needs || gains_by_rays(call.view, call.options);
+    if (!stats.rays) return render_sheets(call, frame);
+    Result<void> rendered = render_rays(call, frame);
+    const bool is_too_large = !rendered && rendered.error().code == ErrorCode::kLimit;
+    if (needs || !is_too_large) return rendered;
+    stats.rays = false;
+    return render_sheets(call, frame);
   }
 
   /// Frees memory for a picture, or refuses the picture.
@@ -132,8 +143,9 @@ struct Renderer::Impl {
 
     // Decode the data of the picture
     Stopwatch watch;
-    const Axis axis =
-        is_by_rays(frame.view(), options) ? Axis::kZ : factorise(frame.view().plane, atlas->grid()).principal;
+    const Axis axis = needs_rays(frame.view(), options) || gains_by_rays(frame.view(), options)
+                          ? Axis::kZ
+                          : factorise(frame.view().plane, atlas->grid()).principal;
     SPLATLAS_RETURN_IF_ERROR(decode(axis, options));
     fit_decode_ms += watch.lap().wall_ms;
 
@@ -147,7 +159,7 @@ struct Renderer::Impl {
   /// Renders by shear-warp factorisation: parallel projection, pre-classification.
   [[nodiscard]] Result<void> render_sheets(const FrameCall& call, Frame& frame) {
     const auto& [view, options, overrides, task] = call;
-    ray_volume.reset();
+    rays.clear();
     SPLATLAS_ASSIGN_OR_RETURN(const Shear shear, shear_of(view.plane, atlas->grid(), overrides));
 
     // Decode the selection along the principal axis
@@ -188,20 +200,22 @@ struct Renderer::Impl {
     // Build the ray volume, and light it
     stats.level = stats.surface_level = 0;
     task.begin_stage(kPrepared, 4);
-    SPLATLAS_RETURN_IF_ERROR(require_ray_volume(options));
+    if (!rays.fits(options)) spans.clear();
+    SPLATLAS_RETURN_IF_ERROR(
+        rays.require(options, *atlas, drawn, decoded.cache(), max_memory_bytes - frame_bytes(options), pool));
     stats.traversal = watch.lap();
     stats.select_ms += stats.traversal.wall_ms;
     const Lighting lighting(view.plane);
-    ray_volume->light(view.plane, lighting, pool);
+    rays.volume().light(view.plane, lighting, pool);
     const Elapsed light = watch.lap();
     stats.traversal += light;
 
     // Rasterise surfaces, cast rays, resolve both into the picture
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache(), stats.surface_level);
     const FrameScene scene = scene_of(call, surfaces, lighting);
-    RayFrame stages(scene, *ray_volume, buffers, stats, pool);
+    RayFrame stages(scene, rays.volume(), buffers, stats, pool);
     SPLATLAS_RETURN_IF_ERROR(run_stages(stages, kRayLoops, call, frame));
-    stats.runs_visited = ray_volume->runs();
+    stats.runs_visited = rays.volume().runs();
     stats.render_ms = light.wall_ms + watch.lap().wall_ms;
     return {};
   }
@@ -215,28 +229,6 @@ struct Renderer::Impl {
     if (!decoded.missing().empty() && drawn.draws_nothing())
       return tl::unexpected(decoded.missing().front().error);
     return faces.require(options, axis, *atlas, drawn, decoded, pool);
-  }
-
-  /// Builds the ray volume of the selection unless it is current. Frees the spans first.
-  [[nodiscard]] Result<void> require_ray_volume(const RenderOptions& options) {
-    const bool fits = ray_volume && ray_volume->fits(options.classification, options.hybrid_shading);
-    if (fits && (!options.ids || ray_volume->numbers() != nullptr)) return {};
-    const SelectedRuns runs(drawn.plan(), atlas->classes(), decoded.cache(), Axis::kZ);
-    if (fits) return ray_volume->number(runs, drawn.numbers(), pool);
-    ray_volume.reset();
-    spans.clear();
-    SPLATLAS_ASSIGN_OR_RETURN(ray_volume,
-                              RayVolume::build({.atlas = *atlas,
-                                                .selection = drawn.selection(),
-                                                .plan = drawn.plan(),
-                                                .appearances = drawn.appearances().appearances(),
-                                                .runs = runs,
-                                                .cache = decoded.cache(),
-                                                .classification = options.classification,
-                                                .shade = options.hybrid_shading,
-                                                .max_memory_bytes = max_memory_bytes - frame_bytes(options)},
-                                               pool));
-    return options.ids ? ray_volume->number(runs, drawn.numbers(), pool) : Result<void>();
   }
 
   [[nodiscard]] FrameScene scene_of(const FrameCall& call, std::span<const SurfaceDraw> surfaces,
@@ -320,7 +312,7 @@ struct Renderer::Impl {
   DrawnSelection drawn;
   DecodedSelection decoded;
   SpanStore spans;
-  std::optional<RayVolume> ray_volume;
+  RayStore rays;
   FaceStore faces;
 
   // State of frames: the current one, and how finished ones are picked.

@@ -18,7 +18,7 @@ check() {
   fi
 }
 
-check product 60200 format preprocess player schemas
+check product 60270 format preprocess player schemas
 check tests 48730 tests
 check bench 8340 bench
 exit "$bad"

@@ -79,7 +79,8 @@ struct GridRenderer {
 constexpr std::array kGridRenderers{
     GridRenderer{"sheets, draft", CameraProjection::kParallel, Classification::kBefore, Quality::kDraft},
     GridRenderer{"sheets, normal", CameraProjection::kParallel, Classification::kBefore, Quality::kNormal},
-    GridRenderer{"sheets, high", CameraProjection::kParallel, Classification::kBefore, Quality::kHigh},
+    GridRenderer{"rays, parallel, high", CameraProjection::kParallel, Classification::kBefore,
+                 Quality::kHigh},
     GridRenderer{"rays before, high", CameraProjection::kPerspective, Classification::kBefore,
                  Quality::kHigh},
     GridRenderer{"rays after, high", CameraProjection::kPerspective, Classification::kAfter, Quality::kHigh}};

@@ -9,7 +9,7 @@ bool has_ray_casting() {
 }
 
 const MarchKernels& best_march() {
-  static constexpr MarchKernels kNone{"none", nullptr};  // the API refuses perspective
+  static constexpr MarchKernels kNone{"none", nullptr};  // sheets draw instead; the API refuses perspective
   return kNone;
 }
 const MarchKernels& scalar_march() {

@@ -38,9 +38,7 @@ class IdChecker {
       if (other && other->ids.numbers != frame->ids.numbers)
         fault(fmt::format("{} threads give other ids", threads));
     }
-    const bool rays = scene_.options.classification == Classification::kAfter ||
-                      scene_.camera.projection == CameraProjection::kPerspective;
-    if (rays) {
+    if (frame->stats.rays) {
       compare_rays(options);
       return report_;
     }

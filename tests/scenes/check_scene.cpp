@@ -78,16 +78,14 @@ class Checker {
       : scene_(scene),
         checks_(checks),
         atlas_(open_in_memory(scene.content)),
-        alone_(atlas_, {.threads = 1}) {
-    report_.rays = scene.options.classification == Classification::kAfter ||
-                   scene.camera.projection == CameraProjection::kPerspective;
-  }
+        alone_(atlas_, {.threads = 1}) {}
 
   SceneReport run() {
     if (!select(alone_)) return report_;
     check_kernels();
     const auto picture = render(scene_.options, 1);
     if (!picture) return report_;
+    report_.rays = stats_.rays;
     report_.adaptive = report_.rays && scene_.options.quality != Quality::kDraft;
     for (std::size_t n = 3; n < picture->rgba.size(); n += 4)
       report_.shows = report_.shows || picture->rgba[n] > 0;
@@ -182,6 +180,7 @@ class Checker {
     RenderOptions options = scene_.options;
     options.size = {64, 64};
     options.cuts = {};
+    if (options.quality == Quality::kHigh) options.quality = Quality::kNormal;  // by sheets
     const ParallelView view = *parallel_view(camera, options.size, scene_.content.display);
     const auto voxels = reference::optical_field(scene_.content, scene_.selection, view, false).voxels;
     const auto visible = std::count_if(voxels.begin(), voxels.end(),

@@ -1,11 +1,14 @@
 #include "player/render/frame/ray_frame.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
 #include "player/render/contributions/pixel_shares.h"
 #include "player/render/frame/stopwatch.h"
 #include "player/render/rays/cast_surfaces.h"
+#include "player/render/rays/march_kernels.h"
 #include "player/render/rays/ray_depths.h"
 
 namespace splatlas {
@@ -74,6 +77,21 @@ void RayFrame::resolve_ids(const Picture& picture) {
 
 void RayFrame::add_volume_depths(const ViewDepth& view_depth) {
   add_ray_depths(volume_, scene_.view, scene_.grid, kernels_, cuts(), view_depth, buffers_.depths, pool_);
+}
+
+bool needs_rays(const View& view, const RenderOptions& options) {
+  return view.eye_mm || options.classification == Classification::kAfter;
+}
+
+bool gains_by_rays(const View& view, const RenderOptions& options, const Grid& grid) {
+  constexpr double kEdgeOn = 0.01;
+  const auto is_along_view = [&](const CutPlane& cut) {
+    const auto& [x, y, z] = cut.normal_lps;
+    return std::abs(dot(cut.normal_lps, view.plane.forward_lps)) < kEdgeOn * std::hypot(x, y, z);
+  };
+  return options.quality == Quality::kHigh && has_march() &&
+         factorise(view.plane, grid).voxel_pixels() >= 1 &&
+         std::none_of(options.cuts.begin(), options.cuts.end(), is_along_view);
 }
 
 }  // namespace splatlas

@@ -29,4 +29,10 @@ class RayFrame : public FrameRenderer {
   CastOptions options_;
 };
 
+/// True for pictures that sheets cannot draw.
+[[nodiscard]] bool needs_rays(const View& view, const RenderOptions& options);
+/// True for pictures of volumes that are better by rays. Rays alias where pixels are coarser than voxels, and
+/// at planes along the view.
+[[nodiscard]] bool gains_by_rays(const View& view, const RenderOptions& options, const Grid& grid);
+
 }  // namespace splatlas

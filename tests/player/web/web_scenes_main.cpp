@@ -46,7 +46,7 @@ void require(int status) {
 bool is_for_module(RandomScene& scene) {
   const RenderOptions& all = scene.options;
   scene.options = {.size = all.size,
-                   .quality = all.quality,
+                   .quality = std::min(all.quality, Quality::kNormal),  // rays draw high quality
                    .hybrid_shading = all.hybrid_shading,
                    .depth_cue = all.depth_cue,
                    .cuts = all.cuts,
