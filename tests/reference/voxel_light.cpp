@@ -4,7 +4,10 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
+#include <type_traits>
 
+#include "format/content/voxel_type.h"
 #include "player/transfer_function.h"
 #include "tests/reference/optical_field.h"
 
@@ -63,8 +66,7 @@ class Lighter {
     const double reach = 1.5 * voxel_side_mm(grid_) * std::sqrt(gradient.squared_length);
     const TransferCurve curve =
         transfer_curve(selection_.structures[draw_of_[c]->volume_of], content_.display);
-    const double below = transfer(curve, grey - reach, 1).extinction_per_mm;
-    const double above = transfer(curve, grey + reach, 1).extinction_per_mm;
+    const double below = extinction_near(curve, grey - reach), above = extinction_near(curve, grey + reach);
     if (!(std::max(below, above) > 0)) return light;
     light.lit = coherence * ramp(std::abs(above - below) / std::max(below, above), 0.05, 0.25);
     const double sign = above > below ? -1 : 1;
@@ -73,6 +75,18 @@ class Lighter {
   }
 
  private:
+  /// Values of 8 and 16 bits: linear between whole numbers.
+  [[nodiscard]] double extinction_near(const TransferCurve& curve, double grey) const {
+    const auto at = [&](double value) { return transfer(curve, value, 1).extinction_per_mm; };
+    return visit_voxel_type(content_.values.type, [&](auto tag) {
+      using T = decltype(tag);
+      if (!std::is_integral_v<T> || sizeof(T) > 2) return at(grey);
+      const double in_range = std::clamp(grey, static_cast<double>(std::numeric_limits<T>::lowest()),
+                                         static_cast<double>(std::numeric_limits<T>::max()));
+      return std::lerp(at(std::floor(in_range)), at(std::ceil(in_range)), in_range - std::floor(in_range));
+    });
+  }
+
   /// The octahedral map with each component rounded by itself.
   static PackedNormal packed(const Vec3& n) {
     const double sum = std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]);
