@@ -2,7 +2,7 @@
 'use strict';
 
 const kModeTexts = {
-  off: 'hidden', surface: 'surface', volume: 'volume', both: 'volume and surface', mixed: 'partly shown',
+  off: 'hidden', surface: 'surface', ghost: 'ghost', volume: 'volume', both: 'volume and surface', mixed: 'partly shown',
 };
 const kMaxFound = 200;
 
