@@ -47,9 +47,9 @@ struct Owners {
     };
     take(kVolumePart, term.mode != DrawMode::kSurface);
     take(kSurfacePart, term.mode == DrawMode::kSurface || term.mode == DrawMode::kBoth);
-    // The end of a ghost resets its appearance, depending on the term that made it one
-    if (before.ghost && !after.ghost) lasts(of[kGhost]);
+    // Begin and end of a ghost reset the appearance, depending on the term before
     const bool resets = before.ghost != after.ghost;
+    if (resets) lasts(of[kGhost]);
     take(kGhost, true);
     take(kOpacity, resets || term.opacity);
     take(kColor, resets || term.ghost || term.color);

@@ -65,6 +65,7 @@ class Parser {
       if (remove) return fault("a removal takes no options");
       ++at_;
       SPLATLAS_RETURN_IF_ERROR(options(result));
+      if (result.ghost && result.mode == DrawMode::kOff) result.mode = DrawMode::kSurface;
     }
     return result;
   }

@@ -15,7 +15,7 @@ std::string text_of(const SelectionTerm& term) {
   const bool plain =
       std::all_of(term.name.begin(), term.name.end(), is_name_character) && !is_rest(term.name);
   std::string text = plain ? term.name : '"' + term.name + '"';  // ids and "*" contain no quotes
-  const bool is_default_mode = term.mode == (term.remove ? DrawMode::kOff : DrawMode::kVolume);
+  const bool is_default_mode = !term.ghost && term.mode == (term.remove ? DrawMode::kOff : DrawMode::kVolume);
   if (!is_default_mode) text += fmt::format(":{}", name_of(term.mode));
   const std::string options = write_options(term);
   return options.empty() ? text : fmt::format("{}({})", text, options);

@@ -113,6 +113,7 @@ TEST(ParseSelection, ReadsModesAndOptionsInAnyCaseAndSpacing) {
   EXPECT_EQ(only_term("A(opacity=1)").opacity, 1.0f);
   EXPECT_FALSE(only_term("A(opacity=1)").ghost);
   EXPECT_TRUE(only_term("A:surface(Ghost , opacity=1)").ghost);
+  EXPECT_EQ(only_term("A(ghost)").mode, DrawMode::kSurface);
   EXPECT_EQ(only_term("A(opacity=.25)").opacity, 0.25f);
 }
 
