@@ -44,7 +44,7 @@ struct LpsBox {
 /// without voxels. Thread-safe, linear in the classes.
 [[nodiscard]] Result<std::optional<Vec3>> center_of(const FrameCenter& center, const Atlas& atlas);
 
-/// What of a scene's view its numbers do not tell.
+/// Cuts and centre of a scene.
 struct SceneFraming {
   CutPlanes cuts;
   std::optional<Vec3> center_lps_mm;  ///< none: the middle of the selection

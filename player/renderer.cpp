@@ -106,18 +106,18 @@ struct Renderer::Impl {
     return {};
   }
 
-  /// True if the picture would be better by rays.
-  [[nodiscard]] bool gains_by_rays(const View& view, const RenderOptions& options) const {
-    return !volume_classes(drawn.plan()).empty() && splatlas::gains_by_rays(view, options, atlas->grid());
+  /// True for pictures by ray casting, false for shear-warp factorisation.
+  [[nodiscard]] bool is_by_rays(const View& view, const RenderOptions& options) const {
+    return needs_rays(view, options) ||
+           (!volume_classes(drawn.plan()).empty() && gains_by_rays(view, options, atlas->grid()));
   }
 
   [[nodiscard]] Result<void> render(const FrameCall& call, Frame& frame) {
-    const bool needs = needs_rays(call.view, call.options);
-    stats.rays = needs || gains_by_rays(call.view, call.options);
+    stats.rays = is_by_rays(call.view, call.options);
     if (!stats.rays) return render_sheets(call, frame);
     Result<void> rendered = render_rays(call, frame);
     const bool is_too_large = !rendered && rendered.error().code == ErrorCode::kLimit;
-    if (needs || !is_too_large) return rendered;
+    if (needs_rays(call.view, call.options) || !is_too_large) return rendered;
     stats.rays = false;
     return render_sheets(call, frame);
   }
@@ -143,9 +143,8 @@ struct Renderer::Impl {
 
     // Decode the data of the picture
     Stopwatch watch;
-    const Axis axis = needs_rays(frame.view(), options) || gains_by_rays(frame.view(), options)
-                          ? Axis::kZ
-                          : factorise(frame.view().plane, atlas->grid()).principal;
+    const Axis axis =
+        is_by_rays(frame.view(), options) ? Axis::kZ : factorise(frame.view().plane, atlas->grid()).principal;
     SPLATLAS_RETURN_IF_ERROR(decode(axis, options));
     fit_decode_ms += watch.lap().wall_ms;
 

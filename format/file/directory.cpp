@@ -53,14 +53,16 @@ bool is_aligned(const flatbuffers::Vector<Row>& rows) {
          reinterpret_cast<std::uintptr_t>(rows.Data()) % alignof(std::remove_pointer_t<Row>) == 0;
 }
 
+/// The end of row n in a vector of ends.
+constexpr auto kValue = [](const auto& rows, auto n) { return rows.Get(n); };
+
 /// Terms are in all three tables, or in none.
 Result<void> check_terms(const schema::Directory& d) {
   if (d.terms_end() == nullptr && d.term_text_ends() == nullptr && d.term_text() == nullptr) return {};
-  const auto value = [](const auto& rows, auto n) { return rows.Get(n); };
   if (d.terms_end() == nullptr || d.term_text_ends() == nullptr || d.term_text() == nullptr ||
       d.terms_end()->size() != d.structures()->size() || d.term_text_ends()->size() % 2 != 0 ||
-      !ends_are_valid(*d.terms_end(), value, d.term_text_ends()->size() / 2) ||
-      !ends_are_valid(*d.term_text_ends(), value, d.term_text()->size())) {
+      !ends_are_valid(*d.terms_end(), kValue, d.term_text_ends()->size() / 2) ||
+      !ends_are_valid(*d.term_text_ends(), kValue, d.term_text()->size())) {
     return invalid_atlas("invalid: inconsistent offsets of directory tables of terms");
   }
   return {};
@@ -69,10 +71,9 @@ Result<void> check_terms(const schema::Directory& d) {
 /// Further texts of scenes are in both tables, or in none.
 Result<void> check_scene_text(const schema::Directory& d) {
   if (d.scene_text_ends() == nullptr && d.scene_text() == nullptr) return {};
-  const auto value = [](const auto& rows, auto n) { return rows.Get(n); };
   if (d.scene_text_ends() == nullptr || d.scene_text() == nullptr ||
       d.scene_text_ends()->size() != 3 * std::uint64_t{d.scenes()->size()} ||
-      !ends_are_valid(*d.scene_text_ends(), value, d.scene_text()->size())) {
+      !ends_are_valid(*d.scene_text_ends(), kValue, d.scene_text()->size())) {
     return invalid_atlas("invalid: inconsistent offsets of directory text of scenes");
   }
   return {};
@@ -89,8 +90,7 @@ Result<void> check_tables(const schema::Directory& d) {
   if (d.text_ends()->size() != strings) {
     return invalid_atlas("invalid: directory has {} strings, expected {}", d.text_ends()->size(), strings);
   }
-  const auto value = [](const auto& rows, auto n) { return rows.Get(n); };
-  if (!ends_are_valid(*d.text_ends(), value, d.text()->size())) {
+  if (!ends_are_valid(*d.text_ends(), kValue, d.text()->size())) {
     return invalid_atlas("invalid: inconsistent offsets of directory text");
   }
   SPLATLAS_RETURN_IF_ERROR(check_terms(d));

@@ -115,12 +115,6 @@ Result<std::vector<std::byte>> encode_webp(const Picture& picture) {
   return std::vector(bytes, bytes + size);
 }
 
-/// A page, drawn but for the place of its atlas.
-struct DrawnPage {
-  HtmlPage html;
-  std::vector<std::byte> picture;
-};
-
 /// Fits the camera and draws the picture.
 Result<std::vector<std::byte>> draw(const std::shared_ptr<const Atlas>& atlas, Opening& opening) {
   const Result<Selection> selection = Selection::parse(opening.select, atlas->graph());
@@ -187,8 +181,9 @@ CLI::App* add_export(CLI::App& app, ExportRequest& request) {
 
 namespace {
 
-/// Draws the page of an intact atlas. Everything opens as surfaces where it takes too much memory as volumes.
-Result<DrawnPage> draw_page(const ExportRequest& request, const std::shared_ptr<const Atlas>& atlas) {
+/// The page of an intact atlas, without the atlas itself. Everything opens as surfaces where it takes too
+/// much memory as volumes.
+Result<HtmlPage> draw_page(const ExportRequest& request, const std::shared_ptr<const Atlas>& atlas) {
   SPLATLAS_RETURN_IF_ERROR(atlas->verify());
   SPLATLAS_ASSIGN_OR_RETURN(Opening opening, opening_of(request, *atlas));
   Result<std::vector<std::byte>> drawn = draw(atlas, opening);
@@ -198,12 +193,11 @@ Result<DrawnPage> draw_page(const ExportRequest& request, const std::shared_ptr<
     drawn = draw(atlas, opening);
   }
   SPLATLAS_ASSIGN_OR_RETURN(std::vector<std::byte> picture, std::move(drawn));
-  DrawnPage page;
-  page.html.title = atlas->provenance().title;
-  page.html.caption = opening.caption;
-  page.html.opening = json_of(opening);
+  HtmlPage page;
+  page.title = atlas->provenance().title;
+  page.caption = opening.caption;
+  page.opening = json_of(opening);
   page.picture = std::move(picture);
-  page.html.picture = page.picture;
   return page;
 }
 
@@ -213,9 +207,9 @@ Result<void> write_page(const ExportRequest& request) {
   SPLATLAS_RETURN_IF_ERROR(check_writable_file(request.html));
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, read_atlas(path));
   SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open_bytes(bytes, path.string()));
-  SPLATLAS_ASSIGN_OR_RETURN(DrawnPage page, draw_page(request, atlas));
-  page.html.atlas = bytes;
-  SPLATLAS_ASSIGN_OR_RETURN(const std::string html, encode_html(page.html));
+  SPLATLAS_ASSIGN_OR_RETURN(HtmlPage page, draw_page(request, atlas));
+  page.atlas = bytes;
+  SPLATLAS_ASSIGN_OR_RETURN(const std::string html, encode_html(page));
   return write_file(request.html, std::as_bytes(std::span(html)));
 }
 
@@ -261,11 +255,11 @@ Result<void> write_site(const ExportRequest& request) {
   std::vector<CatalogueEntry> entries;
   for (std::size_t n = 0; n < names.size(); ++n) {
     SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open(request.atlases[n]));
-    SPLATLAS_ASSIGN_OR_RETURN(DrawnPage page, draw_page(request, atlas));
-    page.html.url = percent_encoded(names[n] + ".atlas");
-    SPLATLAS_ASSIGN_OR_RETURN(std::string html, encode_html(page.html));
+    SPLATLAS_ASSIGN_OR_RETURN(HtmlPage page, draw_page(request, atlas));
+    page.url = percent_encoded(names[n] + ".atlas");
+    SPLATLAS_ASSIGN_OR_RETURN(std::string html, encode_html(page));
     pages.push_back(std::move(html));
-    entries.push_back({.title = page.html.title.empty() ? names[n] : page.html.title,
+    entries.push_back({.title = page.title.empty() ? names[n] : page.title,
                        .text = fmt::format("{} structures, {:.1f} MB", atlas->graph().size(),
                                            static_cast<double>(atlas->counters().file) / 1e6),
                        .url = percent_encoded(names[n] + ".html"),

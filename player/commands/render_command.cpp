@@ -308,14 +308,14 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
 
 namespace {
 
-/// What a picture shows.
+/// Selection, caption, camera and cuts of a picture.
 struct Shown {
   std::string select, caption;
   Camera camera;  ///< its zoom is relative to the fit
   CutPlanes cuts;
 };
 
-/// What the scene tells, and the options in its place where they are given.
+/// Takes them from the scene. Options that are given replace its values.
 Result<Shown> shown_by(const RenderRequest& request, const Atlas& atlas) {
   Shown shown{.select = request.select, .caption = {}, .camera = request.camera, .cuts = {}};
   if (!request.scene.empty()) {

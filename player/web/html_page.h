@@ -13,12 +13,12 @@ namespace splatlas {
 
 /// Contents of a page.
 struct HtmlPage {
-  std::span<const std::byte> atlas;    ///< bytes of the file; empty: at the url
-  std::string url;                     ///< of the file, relative to the page, percent-encoded
-  std::string title;                   ///< any text; empty: a general one
-  std::string caption;                 ///< any text, of the opening picture
-  std::string opening;                 ///< JSON: the selection and the camera of the opening picture
-  std::span<const std::byte> picture;  ///< the opening picture as WebP
+  std::span<const std::byte> atlas;  ///< bytes of the file; empty: at the url
+  std::string url;                   ///< of the file, relative to the page, percent-encoded
+  std::string title;                 ///< any text; empty: a general one
+  std::string caption;               ///< any text, of the opening picture
+  std::string opening;               ///< JSON: the selection and the camera of the opening picture
+  std::vector<std::byte> picture;    ///< the opening picture as WebP
 };
 
 /// The bytes of the file. Texts are escaped; the content security policy allows the page's own script, style
