@@ -18,7 +18,7 @@ check() {
   fi
 }
 
-check product 60270 format preprocess player schemas
-check tests 48730 tests
+check product 60420 format preprocess player schemas
+check tests 48790 tests
 check bench 8340 bench
 exit "$bad"

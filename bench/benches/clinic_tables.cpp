@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
@@ -201,12 +202,18 @@ Result<void> add_clinic(const BenchOptions& options, Report& report) {
     return {};
   }
   const TemporaryFolder folder;
-  SPLATLAS_ASSIGN_OR_RETURN(const auto clinic, open_head_ct({2, 2, 3}, folder.path(), options));
-  SPLATLAS_RETURN_IF_ERROR(
-      add_drafts(folder.path() / "2x2x3.atlas", clinic->grid().voxels(), options, report));
+  SPLATLAS_ASSIGN_OR_RETURN(const PeakMemory memory, PeakMemory::start());
+  SPLATLAS_ASSIGN_OR_RETURN(const BuildReport built, build_head_ct({2, 2, 3}, folder.path(), options));
+  SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t peak, memory.grown_bytes());
+  constexpr std::int64_t kVoxels = 512 * 512 * 324;
+  report.summary["clinic_build_seconds"] =
+      std::accumulate(built.stages.begin(), built.stages.end(), 0.0,
+                      [](double sum, const auto& s) { return sum + s.seconds; });
+  report.summary["clinic_build_bytes_per_voxel"] = static_cast<double>(peak) / static_cast<double>(kVoxels);
+  SPLATLAS_RETURN_IF_ERROR(add_drafts(folder.path() / "2x2x3.atlas", kVoxels, options, report));
   if (options.quick) return {};
-  SPLATLAS_RETURN_IF_ERROR(open_head_ct({1, 1, 1}, folder.path(), options).map([](const auto&) {}));
-  SPLATLAS_RETURN_IF_ERROR(open_head_ct({2, 2, 2}, folder.path(), options).map([](const auto&) {}));
+  SPLATLAS_RETURN_IF_ERROR(build_head_ct({1, 1, 1}, folder.path(), options));
+  SPLATLAS_RETURN_IF_ERROR(build_head_ct({2, 2, 2}, folder.path(), options));
   return add_growth(folder.path() / "1x1x1.atlas", folder.path() / "2x2x2.atlas", options, report);
 }
 

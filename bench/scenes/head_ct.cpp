@@ -102,9 +102,8 @@ std::filesystem::path head_ct_file() {
   return "/usr/share/doc/invesalius-examples/examples/Cranium.inv3";
 }
 
-Result<std::shared_ptr<const Atlas>> open_head_ct(const std::array<int, 3>& times,
-                                                  const std::filesystem::path& folder,
-                                                  const BenchOptions& options) {
+Result<BuildReport> build_head_ct(const std::array<int, 3>& times, const std::filesystem::path& folder,
+                                  const BenchOptions& options) {
   const std::string name = fmt::format("{}x{}x{}", times[0], times[1], times[2]);
   options.tell(fmt::format("building the atlas of the CT, finer {}", name));
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::int16_t> voxels, read_voxels());
@@ -117,8 +116,7 @@ Result<std::shared_ptr<const Atlas>> open_head_ct(const std::array<int, 3>& time
   }
   build.tool = "splatlas-bench";
   build.output = folder / (name + ".atlas");
-  SPLATLAS_RETURN_IF_ERROR(build_atlas(build));
-  return Atlas::open(build.output);
+  return build_atlas(build);
 }
 
 }  // namespace splatlas

@@ -93,8 +93,12 @@ EncodedChunk encode_chunk(std::span<const std::byte> decoded, int level, ChunkCo
   ZSTD_CCtx_reset(context.get(), ZSTD_reset_session_and_parameters);
   ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, level);
   if (content == ChunkContent::kNoise) {
-    // Lower strategies use unprofitable matches. This one estimates their cost and splits blocks.
+    // This strategy splits blocks and estimates the cost of a match. Small tables find few, mostly profitable
+    // ones.
     ZSTD_CCtx_setParameter(context.get(), ZSTD_c_strategy, ZSTD_btultra);
+    for (const ZSTD_cParameter table : {ZSTD_c_hashLog, ZSTD_c_chainLog})
+      ZSTD_CCtx_setParameter(context.get(), table, 6);
+    ZSTD_CCtx_setParameter(context.get(), ZSTD_c_searchLog, 1);
     ZSTD_CCtx_setParameter(context.get(), ZSTD_c_minMatch, 7);
   }
   const std::size_t size =

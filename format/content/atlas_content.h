@@ -58,6 +58,9 @@ struct AtlasContent {
   VoxelBuffer values;                       ///< grey value of every voxel; empty() without a volume
   VoxelType label_type = VoxelType::kNone;  ///< of the source label map; kNone without one
   std::vector<SurfaceMesh> surfaces;        ///< per structure; empty meshes for groups
+  /// Per structure, or empty: with triangles where `surfaces` leaves out the surface, and the normals of the
+  /// classes that the structure owns are the derived ones too. The writer does not check either.
+  std::vector<FittedSurface> fitted = {};
   /// [class][n-th voxel of the class in memory order]; empty for classes without a boundary membership.
   std::vector<std::vector<PackedNormal>> boundary_normals;
   Display display;

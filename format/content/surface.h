@@ -39,4 +39,10 @@ struct SurfaceMesh {
   [[nodiscard]] bool empty() const { return triangles.empty(); }
 };
 
+/// The size of a surface that fit_surface() derives. Without triangles: none.
+struct FittedSurface {
+  SurfaceRule rule = SurfaceRule::kSmooth;
+  std::uint32_t vertices = 0, triangles = 0;
+};
+
 }  // namespace splatlas

@@ -61,7 +61,7 @@ class AtlasEncoder {
   const WriteOptions& options_;
   const Index3 size_;
   Directory directory_;
-  std::vector<bool> fitted_surfaces_;           // [structure]
+  std::vector<FittedSurface> fitted_surfaces_;  // [structure]
   RunModel z_runs_;                             // for the values, which are encoded later
   std::vector<std::vector<std::byte>> chunks_;  // stored bytes, in file order
   double work_before_ = 0, work_now_ = 0, work_ = 0;
@@ -295,11 +295,9 @@ Result<SectionBytes> AtlasEncoder::gather_surfaces() {
       count, options_.threads,
       [&](std::size_t s) {
         const SurfaceMesh& mesh = content_.surfaces[s];
-        if (fitted_surfaces_[s]) {
+        if (const FittedSurface& fit = fitted_surfaces_[s]; fit.triangles > 0) {
           encoded[s] =
-              EncodedSurface{{static_cast<std::uint32_t>(mesh.positions_ijk.size()),
-                              static_cast<std::uint32_t>(mesh.triangles.size()), mesh.position_scale, 0},
-                             {}};
+              EncodedSurface{{fit.vertices, fit.triangles, static_cast<std::uint32_t>(fit.rule), 0}, {}};
         } else {
           encoded[s] = encode_surface(mesh, size_);
         }

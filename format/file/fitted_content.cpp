@@ -21,7 +21,8 @@ Result<void> check_sizes(const AtlasContent& content, std::uint64_t voxels) {
                 content.values.bytes.size(), voxels, name_of(content.values.type),
                 voxels * bytes_of(content.values.type));
   }
-  if (content.surfaces.size() != content.graph.size()) {
+  if (content.surfaces.size() != content.graph.size() ||
+      (!content.fitted.empty() && content.fitted.size() != content.graph.size())) {
     return fail(ErrorCode::kFailed, "{} surfaces of {} structures", content.surfaces.size(),
                 content.graph.size());
   }
@@ -108,20 +109,15 @@ class FitComparer {
       : content_(content),
         grid_(storage_grid(content)),
         voxel_normals_(grid_),
-        normal_at_(content.class_volume.size()),
         structure_classes_(content.classes, content.graph.size()),
         owners_(normal_owners(content.classes)),
-        normals_differ_(content.classes.size(), 0) {
-    std::vector<std::size_t> next(content.classes.size(), 0);
-    for (std::size_t v = 0; v < normal_at_.size(); ++v) {
-      const ClassId c = content.class_volume[v];
-      if (owners_[c] != kNoStructure) normal_at_[v] = content.boundary_normals[c][next[c]++];
-    }
-  }
+        next_normal_(content.classes.size(), 0),
+        normals_differ_(content.classes.size(), 0) {}
 
   /// Compares the surface, and the normals of the classes owned by s. Threads may process different
   /// structures concurrently, because each class has one owner.
-  [[nodiscard]] bool surface_is_fitted(StructureIndex s) {
+  [[nodiscard]] FittedSurface fitted_surface(StructureIndex s) {
+    if (!content_.fitted.empty() && content_.fitted[s].triangles > 0) return content_.fitted[s];
     const std::span<const StructureClass> members = structure_classes_.of(s);
     const IndexBox box = box_of(content_.classes, members);
     const std::optional<SurfaceRule> rule = rule_of(content_.surfaces[s], grid_.size);
@@ -132,14 +128,16 @@ class FitComparer {
         if (is_owned(h)) normals_differ_[h.id] = 1;
       }
     }
-    if (!fits || (!rule && std::ranges::none_of(members, is_owned))) return false;
+    if (!fits || (!rule && std::ranges::none_of(members, is_owned))) return {};
     const std::vector<std::uint8_t> parts = parts_of(members, owners_.size());
     const StructureCrop crop = crop_structure(content_.class_volume, grid_.size, box, parts);
     const auto visit = [&](const SmoothGradient& gradient, std::int64_t k) {
       compare_normals(s, crop, gradient, k);
     };
     const SurfaceMesh mesh = fit_surface(crop, grid_, rule.value_or(SurfaceRule::kVoxels), visit);
-    return mesh == content_.surfaces[s];
+    if (mesh != content_.surfaces[s]) return {};
+    return {*rule, static_cast<std::uint32_t>(mesh.positions_ijk.size()),
+            static_cast<std::uint32_t>(mesh.triangles.size())};
   }
 
   [[nodiscard]] bool normals_are_fitted(ClassId c) const {
@@ -152,16 +150,17 @@ class FitComparer {
     for_each_voxel(crop, k, grid_, [&](std::int64_t i, std::int64_t j, std::size_t voxel) {
       const ClassId c = content_.class_volume[voxel];
       if (owners_[c] != s || normals_differ_[c] != 0) return;
-      if (voxel_normals_.normal(gradient.at(i, j)) != normal_at_[voxel]) normals_differ_[c] = 1;
+      const PackedNormal stored = content_.boundary_normals[c][next_normal_[c]++];
+      if (voxel_normals_.normal(gradient.at(i, j)) != stored) normals_differ_[c] = 1;
     });
   }
 
   const AtlasContent& content_;
   const Grid grid_;
   const VoxelNormals voxel_normals_;
-  std::vector<PackedNormal> normal_at_;  // [voxel]
   const StructureClasses structure_classes_;
   std::vector<StructureIndex> owners_;        // [class]
+  std::vector<std::size_t> next_normal_;      // [class], as slices come in memory order
   std::vector<std::uint8_t> normals_differ_;  // [class]; bytes, for concurrent writes
 };
 
@@ -177,12 +176,11 @@ std::uint64_t crop_voxels(const IndexBox& box) {
 
 FittedParts find_fitted_parts(const AtlasContent& content, unsigned threads) {
   FitComparer comparer(content);
-  std::vector<std::uint8_t> surfaces(content.graph.size(), 0);
-  parallel_for(surfaces.size(), threads, [&](std::size_t s) {
-    surfaces[s] = comparer.surface_is_fitted(static_cast<StructureIndex>(s));
-  });
   FittedParts parts;
-  parts.surfaces.assign(surfaces.begin(), surfaces.end());
+  parts.surfaces.resize(content.graph.size());
+  parallel_for(parts.surfaces.size(), threads, [&](std::size_t s) {
+    parts.surfaces[s] = comparer.fitted_surface(static_cast<StructureIndex>(s));
+  });
   for (ClassId c = 0; c < content.classes.size(); ++c)
     parts.normals.push_back(comparer.normals_are_fitted(c));
   return parts;

@@ -23,12 +23,12 @@ inline constexpr std::uint64_t kMaxFittedVoxels = std::uint64_t{1} << 28;
 
 /// Surfaces and normals that need not be stored.
 struct FittedParts {
-  std::vector<bool> surfaces;  ///< [structure]: its surface equals fit_surface()
-  std::vector<bool> normals;   ///< [class]: its normals equal fit_normals() of its normal_owner()
+  std::vector<FittedSurface> surfaces;  ///< [structure]: with triangles if it equals fit_surface()
+  std::vector<bool> normals;            ///< [class]: its normals equal fit_normals() of its normal_owner()
 };
 
-/// Fits all surfaces and normals and compares, on `threads` threads (0: one per core). Cost: that of
-/// extracting all surfaces.
+/// Fits the surfaces and normals that AtlasContent::fitted does not name and compares, on `threads` threads
+/// (0: one per core). Cost: that of extracting all surfaces.
 [[nodiscard]] FittedParts find_fitted_parts(const AtlasContent& content, unsigned threads);
 
 /// [structure]: true if all its voxels belong to the same set of structures. Fitting the normals of such a

@@ -123,7 +123,7 @@ Result<AtlasContent> build_content(SourceModel model, const std::string& labels,
   SPLATLAS_ASSIGN_OR_RETURN(ExtractedSurfaces extracted,
                             extract_surfaces(classification, placed.graph, grid,
                                              {rule, threads, [&](double fraction) { clock.update(fraction); },
-                                              isosurfaces_of(model, placed), &model.values}));
+                                              isosurfaces_of(model, placed), &model.values, false}));
   note_surfaces(rule, grid, extracted, notes);
   for (std::size_t n = 0; n < model.meshes.size(); ++n) {
     extracted.surfaces[placed.index_of_source[first_mesh(model) + n]] = std::move(model.meshes[n].surface);
@@ -136,6 +136,7 @@ Result<AtlasContent> build_content(SourceModel model, const std::string& labels,
   content.values = std::move(model.values);
   content.label_type = model.label_type;
   content.surfaces = std::move(extracted.surfaces);
+  content.fitted = std::move(extracted.fitted);
   content.boundary_normals = std::move(extracted.boundary_normals);
   content.provenance.sources = std::move(model.provenance);
   return content;

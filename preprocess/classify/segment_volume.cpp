@@ -1,21 +1,20 @@
 #include "preprocess/classify/segment_volume.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
+#include <type_traits>
 
 #include <fmt/format.h>
-#include <itkBinaryBallStructuringElement.h>
-#include <itkBinaryFillholeImageFilter.h>
-#include <itkBinaryMorphologicalClosingImageFilter.h>
-#include <itkBinaryMorphologicalOpeningImageFilter.h>
-#include <itkBinaryThresholdImageFilter.h>
-#include <itkConnectedComponentImageFilter.h>
+#include <itkBinaryImageToLabelMapFilter.h>
 #include <itkHistogram.h>
-#include <itkImageRegionIteratorWithIndex.h>
+#include <itkLabelMap.h>
+#include <itkLabelObject.h>
 #include <itkOtsuThresholdCalculator.h>
-#include <itkRelabelComponentImageFilter.h>
 
 #include "format/result_macros.h"
+#include "preprocess/classify/morphology.h"
 #include "preprocess/import/images/itk/itk_call.h"
 #include "preprocess/import/tables/text_file.h"
 
@@ -24,46 +23,18 @@ namespace {
 
 constexpr double kMaxClosingMm = 50;
 
-using MaskImage = itk::Image<std::uint8_t, 3>;
-
-template <typename T>
-typename itk::Image<T, 3>::Pointer make_image(const Index3& size) {
-  auto image = itk::Image<T, 3>::New();
-  typename itk::Image<T, 3>::SizeType extent;
-  for (unsigned a = 0; a < 3; ++a) extent[a] = static_cast<itk::SizeValueType>(size[a]);
-  image->SetRegions(extent);
-  image->Allocate();
-  return image;
-}
-
-/// Converts values to Real, which represents the source type exactly. Values that are not finite become
-/// lowest().
-template <typename Real>
-typename itk::Image<Real, 3>::Pointer real_image(const VoxelBuffer& values, const Index3& size) {
-  auto image = make_image<Real>(size);
-  Real* const to = image->GetBufferPointer();
-  visit_voxel_type(values.type, [&]<typename T>(T) {
-    const T* from = values.as<T>();
-    const std::size_t count = values.bytes.size() / sizeof(T);
-    for (std::size_t v = 0; v < count; ++v) {
-      const auto value = static_cast<Real>(from[v]);
-      to[v] = std::isfinite(value) ? value : std::numeric_limits<Real>::lowest();
-    }
-  });
-  return image;
-}
+using Mask = std::vector<std::uint8_t>;
 
 /// Otsu's threshold of the finite values, from a histogram of 256 bins.
-template <typename Real>
-double otsu_threshold(const itk::Image<Real, 3>& image) {
+template <typename T>
+double otsu_threshold(std::span<const T> values) {
   using Histogram = itk::Statistics::Histogram<double>;
-  const std::size_t count = image.GetBufferedRegion().GetNumberOfPixels();
-  const Real* const values = image.GetBufferPointer();
-  Real low = std::numeric_limits<Real>::max(), high = std::numeric_limits<Real>::lowest();
-  for (std::size_t v = 0; v < count; ++v) {
-    if (values[v] == std::numeric_limits<Real>::lowest()) continue;
-    low = std::min(low, values[v]);
-    high = std::max(high, values[v]);
+  double low = std::numeric_limits<double>::max(), high = std::numeric_limits<double>::lowest();
+  for (const T voxel : values) {
+    const auto value = static_cast<double>(voxel);
+    if (!std::isfinite(value)) continue;
+    low = std::min(low, value);
+    high = std::max(high, value);
   }
   if (!(low < high)) return high;
 
@@ -77,11 +48,11 @@ double otsu_threshold(const itk::Image<Real, 3>& image) {
   last[0] = high;
   histogram->Initialize(bins, first, last);
   std::array<std::uint64_t, kBins> counts{};
-  const double scale = kBins / (static_cast<double>(high) - low);
-  for (std::size_t v = 0; v < count; ++v) {
-    if (values[v] < low) continue;
-    const auto bin = static_cast<std::size_t>((static_cast<double>(values[v]) - low) * scale);
-    ++counts[std::min<std::size_t>(bin, kBins - 1)];
+  const double scale = kBins / (high - low);
+  for (const T voxel : values) {
+    const auto value = static_cast<double>(voxel);
+    if (!std::isfinite(value)) continue;
+    ++counts[std::min<std::size_t>(static_cast<std::size_t>((value - low) * scale), kBins - 1)];
   }
   for (unsigned bin = 0; bin < kBins; ++bin) histogram->SetFrequency(bin, counts[bin]);
   auto calculator = itk::OtsuThresholdCalculator<Histogram, double>::New();
@@ -90,133 +61,131 @@ double otsu_threshold(const itk::Image<Real, 3>& image) {
   return calculator->GetThreshold();
 }
 
-template <typename Real>
-MaskImage::Pointer threshold(const VoxelBuffer& values, const Index3& size, const SegmentRule& rule) {
-  using Image = itk::Image<Real, 3>;
-  const typename Image::Pointer image = real_image<Real>(values, size);
-  const double low = rule.kind == SegmentRule::Kind::kOtsu ? otsu_threshold<Real>(*image) : rule.low;
-  const auto clamped = [](double value) {
+Mask threshold(const VoxelBuffer& values, const SegmentRule& rule) {
+  Mask mask(values.bytes.size() / bytes_of(values.type));
+  visit_voxel_type(values.type, [&]<typename T>(T) {
+    // Thresholds are rounded to the type of the values, so that 0.7 includes the nearest float to 0.7.
+    using Real = std::conditional_t<std::is_same_v<T, float> || sizeof(T) <= 2, float, double>;
+    const std::span<const T> voxels(values.as<T>(), mask.size());
+    const double low = rule.kind == SegmentRule::Kind::kOtsu ? otsu_threshold(voxels) : rule.low;
     constexpr double kMax = std::numeric_limits<Real>::max();
-    return static_cast<Real>(std::clamp(value, -kMax, kMax));
-  };
-  auto filter = itk::BinaryThresholdImageFilter<Image, MaskImage>::New();
-  filter->SetInput(image);
-  // Exclude lowest(), which marks values that are not finite.
-  filter->SetLowerThreshold(
-      std::max(clamped(low), std::nextafter(std::numeric_limits<Real>::lowest(), Real(0))));
-  filter->SetUpperThreshold(clamped(rule.high));
-  filter->SetInsideValue(1);
-  filter->SetOutsideValue(0);
-  filter->Update();
-  return filter->GetOutput();
+    const auto first = static_cast<Real>(std::clamp(low, -kMax, kMax));
+    const auto last = static_cast<Real>(std::clamp(rule.high, -kMax, kMax));
+    for (std::size_t v = 0; v < mask.size(); ++v)
+      mask[v] = static_cast<Real>(voxels[v]) >= first && static_cast<Real>(voxels[v]) <= last;
+  });
+  return mask;
 }
 
-MaskImage::Pointer largest_component(const MaskImage& mask) {
-  using Components = itk::Image<std::uint32_t, 3>;
-  auto components = itk::ConnectedComponentImageFilter<MaskImage, Components>::New();
-  components->SetInput(&mask);
-  auto by_size = itk::RelabelComponentImageFilter<Components, Components>::New();
-  by_size->SetInput(components->GetOutput());
-  auto largest = itk::BinaryThresholdImageFilter<Components, MaskImage>::New();
-  largest->SetInput(by_size->GetOutput());
-  largest->SetLowerThreshold(1);
-  largest->SetUpperThreshold(1);
-  largest->SetInsideValue(1);
-  largest->SetOutsideValue(0);
-  largest->Update();
-  return largest->GetOutput();
+template <unsigned kDimension>
+using MaskImage = itk::Image<std::uint8_t, kDimension>;
+template <unsigned kDimension>
+using Component = itk::LabelObject<std::uint32_t, kDimension>;
+
+/// An image of the voxels of `mask`, which it does not own.
+template <unsigned kDimension>
+typename MaskImage<kDimension>::Pointer image_of(Mask& mask, const itk::Size<kDimension>& size) {
+  auto image = MaskImage<kDimension>::New();
+  image->SetRegions(size);
+  image->GetPixelContainer()->SetImportPointer(mask.data(), mask.size(), false);
+  return image;
+}
+
+/// The face-connected components of the voxels of `value`.
+template <unsigned kDimension>
+auto components_of(const MaskImage<kDimension>& image, std::uint8_t value) {
+  auto filter =
+      itk::BinaryImageToLabelMapFilter<MaskImage<kDimension>, itk::LabelMap<Component<kDimension>>>::New();
+  filter->SetInput(&image);
+  filter->SetInputForegroundValue(value);
+  filter->SetOutputBackgroundValue(0);
+  filter->Update();
+  return filter->GetOutput()->GetLabelObjects();
+}
+
+template <unsigned kDimension>
+void paint(const Component<kDimension>& component, std::uint8_t value, MaskImage<kDimension>& image) {
+  for (itk::SizeValueType n = 0; n < component.GetNumberOfLines(); ++n) {
+    const auto& line = component.GetLine(n);
+    std::fill_n(image.GetBufferPointer() + image.ComputeOffset(line.GetIndex()), line.GetLength(), value);
+  }
+}
+
+void keep_largest_component(MaskImage<3>& image) {
+  const auto components = components_of(image, 1);
+  const auto largest = std::ranges::max_element(components, {}, [](const auto& c) { return c->Size(); });
+  for (auto other = components.begin(); other != components.end(); ++other) {
+    if (other != largest) paint<3>(**other, 0, image);
+  }
+}
+
+template <unsigned kDimension>
+bool is_at_border(const Component<kDimension>& component, const itk::Size<kDimension>& size) {
+  for (itk::SizeValueType n = 0; n < component.GetNumberOfLines(); ++n) {
+    auto first = component.GetLine(n).GetIndex(), last = first;
+    last[0] += static_cast<itk::IndexValueType>(component.GetLine(n).GetLength()) - 1;
+    for (unsigned a = 0; a < kDimension; ++a) {
+      if (first[a] == 0 || last[a] + 1 == static_cast<itk::IndexValueType>(size[a])) return true;
+    }
+  }
+  return false;
 }
 
 /// Fills enclosed background.
 template <unsigned kDimension>
-typename itk::Image<std::uint8_t, kDimension>::Pointer without_holes(
-    const itk::Image<std::uint8_t, kDimension>& mask) {
-  auto filter = itk::BinaryFillholeImageFilter<itk::Image<std::uint8_t, kDimension>>::New();
-  filter->SetInput(&mask);
-  filter->SetForegroundValue(1);
-  filter->Update();
-  return filter->GetOutput();
-}
-
-using Ball = itk::BinaryBallStructuringElement<std::uint8_t, 3>;
-
-Ball make_ball(const Grid& grid, double radius_mm) {
-  Ball ball;
-  Ball::SizeType radius;
-  for (unsigned a = 0; a < 3; ++a) {
-    radius[a] = static_cast<itk::SizeValueType>(std::lround(radius_mm / grid.spacing_mm[a]));
+void fill_holes(MaskImage<kDimension>& image) {
+  for (const auto& component : components_of(image, 0)) {
+    if (!is_at_border<kDimension>(*component, image.GetBufferedRegion().GetSize()))
+      paint<kDimension>(*component, 1, image);
   }
-  ball.SetRadius(radius);
-  ball.CreateStructuringElement();
-  return ball;
-}
-
-/// Morphological closing with a ball.
-MaskImage::Pointer with_gaps_closed(const MaskImage& mask, const Grid& grid, double radius_mm) {
-  auto filter = itk::BinaryMorphologicalClosingImageFilter<MaskImage, MaskImage, Ball>::New();
-  filter->SetInput(&mask);
-  filter->SetKernel(make_ball(grid, radius_mm));
-  filter->SetForegroundValue(1);
-  filter->Update();
-  return filter->GetOutput();
 }
 
 /// Fills the background that the mask encloses within each of the six faces of the grid. Structures may be
 /// open where the scan ends, such as the skull at the neck.
-void close_at_border(MaskImage& mask) {
-  using Face = itk::Image<std::uint8_t, 2>;
-  const auto size = mask.GetBufferedRegion().GetSize();
+void close_at_border(MaskImage<3>& image) {
+  const auto size = image.GetBufferedRegion().GetSize();
   for (unsigned normal = 0; normal < 3; ++normal) {
     const unsigned u = normal == 0 ? 1 : 0, v = normal == 2 ? 1 : 2;
+    const itk::Size<2> face_size{{size[u], size[v]}};
     for (const itk::SizeValueType side : {itk::SizeValueType{0}, size[normal] - 1}) {
-      auto face = Face::New();
-      face->SetRegions(Face::SizeType{{size[u], size[v]}});
-      face->Allocate();
-      const auto in_volume = [&](const Face::IndexType& at) {
-        MaskImage::IndexType index;
-        index[normal] = static_cast<itk::IndexValueType>(side);
-        index[u] = at[0];
-        index[v] = at[1];
-        return index;
+      Mask voxels(size[u] * size[v]);
+      const auto face = image_of<2>(voxels, face_size);
+      const auto for_each_voxel = [&](const auto& visit) {
+        itk::Index<3> at;
+        at[normal] = static_cast<itk::IndexValueType>(side);
+        std::size_t n = 0;
+        for (at[v] = 0; at[v] < static_cast<itk::IndexValueType>(size[v]); ++at[v]) {
+          for (at[u] = 0; at[u] < static_cast<itk::IndexValueType>(size[u]); ++at[u])
+            visit(image.GetPixel(at), voxels[n++]);
+        }
       };
-      itk::ImageRegionIteratorWithIndex<Face> copy(face, face->GetBufferedRegion());
-      for (; !copy.IsAtEnd(); ++copy) copy.Set(mask.GetPixel(in_volume(copy.GetIndex())));
-      const Face::Pointer closed = without_holes<2>(*face);
-      itk::ImageRegionConstIteratorWithIndex<Face> back(closed, closed->GetBufferedRegion());
-      for (; !back.IsAtEnd(); ++back) mask.SetPixel(in_volume(back.GetIndex()), back.Get());
+      for_each_voxel([](std::uint8_t from, std::uint8_t& to) { to = from; });
+      fill_holes(*face);
+      for_each_voxel([](std::uint8_t& to, std::uint8_t from) { to = from; });
     }
   }
 }
 
-Result<std::vector<std::uint8_t>> run_filters(const VoxelBuffer& values, const Grid& grid,
-                                              const SegmentRule& rule) {
-  const bool needs_double = bytes_of(values.type) > 2 && values.type != VoxelType::kFloat32;
-  MaskImage::Pointer mask =
-      needs_double ? threshold<double>(values, grid.size, rule) : threshold<float>(values, grid.size, rule);
-  mask = largest_component(*mask);
-  if (rule.close_mm > 0) mask = with_gaps_closed(*mask, grid, rule.close_mm);
-  close_at_border(*mask);
-  mask = without_holes<3>(*mask);
-  const std::uint8_t* const first = mask->GetBufferPointer();
-  std::vector<std::uint8_t> result(first, first + mask->GetBufferedRegion().GetNumberOfPixels());
-  if (std::find(result.begin(), result.end(), 1) == result.end()) {
+Index3 radii_of(const Grid& grid, double radius_mm) {
+  Index3 radii;
+  for (std::size_t a = 0; a < 3; ++a) radii[a] = std::lround(radius_mm / grid.spacing_mm[a]);
+  return radii;
+}
+
+Result<Mask> run_filters(const VoxelBuffer& values, const Grid& grid, const SegmentRule& rule) {
+  Mask mask = threshold(values, rule);
+  if (std::ranges::find(mask, 1) == mask.end()) {
     return fail(ErrorCode::kFailed, "--segment \"{}\": no voxel of the volume is within its thresholds",
                 rule.name);
   }
-  return result;
-}
-
-std::vector<std::uint8_t> run_opening(const std::vector<std::uint8_t>& mask, const Grid& grid,
-                                      double radius_mm) {
-  const MaskImage::Pointer image = make_image<std::uint8_t>(grid.size);
-  std::ranges::copy(mask, image->GetBufferPointer());
-  auto filter = itk::BinaryMorphologicalOpeningImageFilter<MaskImage, MaskImage, Ball>::New();
-  filter->SetInput(image);
-  filter->SetKernel(make_ball(grid, radius_mm));
-  filter->SetForegroundValue(1);
-  filter->Update();
-  const std::uint8_t* const first = filter->GetOutput()->GetBufferPointer();
-  return {first, first + mask.size()};
+  itk::Size<3> size;
+  for (unsigned a = 0; a < 3; ++a) size[a] = static_cast<itk::SizeValueType>(grid.size[a]);
+  const auto image = image_of<3>(mask, size);
+  keep_largest_component(*image);
+  if (rule.close_mm > 0) close_mask(mask, grid.size, radii_of(grid, rule.close_mm));
+  close_at_border(*image);
+  fill_holes(*image);
+  return mask;
 }
 
 /// Takes "name=MM" off the end of a rule. nullopt if MM is not from 0 to kMaxClosingMm.
@@ -318,11 +287,8 @@ std::vector<std::uint8_t> voxels_from(const VoxelBuffer& values, double level) {
   return mask;
 }
 
-Result<std::vector<std::uint8_t>> open_mask(const std::vector<std::uint8_t>& mask, const Grid& grid,
-                                            const SegmentRule& rule) {
-  return call_itk(fmt::format("--segment \"{}\"", rule.name), [&]() -> Result<std::vector<std::uint8_t>> {
-    return run_opening(mask, grid, rule.open_mm);
-  });
+void open_mask(std::vector<std::uint8_t>& mask, const Grid& grid, const SegmentRule& rule) {
+  open_mask(mask, grid.size, radii_of(grid, rule.open_mm));
 }
 
 }  // namespace splatlas

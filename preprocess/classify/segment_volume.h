@@ -42,7 +42,6 @@ struct SegmentRule {
 [[nodiscard]] std::vector<std::uint8_t> voxels_from(const VoxelBuffer& values, double level);
 
 /// Morphological opening of a mask by a ball of rule.open_mm. Beyond the grid counts as inside.
-[[nodiscard]] Result<std::vector<std::uint8_t>> open_mask(const std::vector<std::uint8_t>& mask,
-                                                          const Grid& grid, const SegmentRule& rule);
+void open_mask(std::vector<std::uint8_t>& mask, const Grid& grid, const SegmentRule& rule);
 
 }  // namespace splatlas

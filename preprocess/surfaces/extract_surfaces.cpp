@@ -5,6 +5,7 @@
 
 #include "format/derive/fit_surface.h"
 #include "format/derive/structure_crop.h"
+#include "format/file/fitted_content.h"
 #include "format/result_macros.h"
 #include "format/tasks/parallel.h"
 #include "preprocess/import/meshes/quiet_vtk.h"
@@ -19,7 +20,8 @@ class StructureExtractor {
  public:
   StructureExtractor(const Classification& classification, const StructureClasses& structure_classes,
                      const Grid& grid, const ExtractOptions& options,
-                     std::span<const StructureIndex> normal_owner, std::span<PackedNormal> normals)
+                     std::span<const StructureIndex> normal_owner,
+                     std::span<std::vector<PackedNormal>> normals)
       : classification_(classification),
         structure_classes_(structure_classes),
         grid_(grid),
@@ -32,6 +34,7 @@ class StructureExtractor {
   struct Extracted {
     SurfaceMesh mesh;
     bool is_derived = true;
+    FittedSurface fitted;
   };
   /// The surface of a structure within `box`; writes the normals of the boundary voxels that it owns.
   [[nodiscard]] Result<Extracted> extract(StructureIndex structure, const IndexBox& box) const {
@@ -42,23 +45,28 @@ class StructureExtractor {
     result.mesh = fit_surface(crop, grid_, rule_, [&](const SmoothGradient& gradient, std::int64_t k) {
       write_voxel_normals(structure, crop, gradient, k);
     });
-    SPLATLAS_ASSIGN_OR_RETURN(const MidwayTriangles vtk, extract_with_vtk(crop));
+    SPLATLAS_ASSIGN_OR_RETURN(const EdgeTriangles vtk, extract_with_vtk(crop));
     SPLATLAS_ASSIGN_OR_RETURN(result.is_derived, adopt_triangles(vtk, crop, grid_, result.mesh));
     const auto isosurface = std::ranges::find(options_.isosurfaces, structure, &Isosurface::structure);
     if (isosurface != options_.isosurfaces.end()) {
       SPLATLAS_RETURN_IF_ERROR(
           move_to_isosurface(*options_.values, isosurface->level, crop, grid_, vtk, result.mesh));
       result.is_derived = true;  // nothing to note: isosurfaces are stored anyway
+    } else if (!options_.keeps_fitted && result.is_derived && crop_voxels(box) <= kMaxFittedVoxels) {
+      result.fitted = {rule_, static_cast<std::uint32_t>(result.mesh.positions_ijk.size()),
+                       static_cast<std::uint32_t>(result.mesh.triangles.size())};
+      result.mesh = {};
     }
     return result;
   }
 
  private:
+  /// Appends the normals of slice k, in memory order. Only the owner of a class does so.
   void write_voxel_normals(StructureIndex structure, const StructureCrop& crop,
                            const SmoothGradient& gradient, std::int64_t k) const {
     for_each_voxel(crop, k, grid_, [&](std::int64_t i, std::int64_t j, std::size_t voxel) {
-      if (normal_owner_[classification_.volume[voxel]] == structure)
-        normals_[voxel] = voxel_normals_.normal(gradient.at(i, j));
+      const ClassId c = classification_.volume[voxel];
+      if (normal_owner_[c] == structure) normals_[c].push_back(voxel_normals_.normal(gradient.at(i, j)));
     });
   }
 
@@ -69,7 +77,7 @@ class StructureExtractor {
   SurfaceRule rule_;
   VoxelNormals voxel_normals_;
   std::span<const StructureIndex> normal_owner_;
-  std::span<PackedNormal> normals_;
+  std::span<std::vector<PackedNormal>> normals_;  // [class]
 };
 
 /// Structures with voxels, largest boxes first for load balancing.
@@ -89,31 +97,18 @@ std::vector<std::pair<StructureIndex, IndexBox>> structures_to_extract(
   return result;
 }
 
-std::vector<std::vector<PackedNormal>> gather_by_class(const Classification& classification,
-                                                       std::span<const StructureIndex> owners,
-                                                       std::span<const PackedNormal> normals) {
-  std::vector<std::vector<PackedNormal>> result(owners.size());
-  for (ClassId c = 0; c < owners.size(); ++c) {
-    if (owners[c] != kNoStructure) result[c].reserve(classification.classes.voxels(c));
-  }
-  for (std::size_t v = 0; v < classification.volume.size(); ++v) {
-    const ClassId c = classification.volume[v];
-    if (owners[c] != kNoStructure) result[c].push_back(normals[v]);
-  }
-  return result;
-}
-
 }  // namespace
 
 Result<ExtractedSurfaces> extract_surfaces(const Classification& classification, const StructureGraph& graph,
                                            const Grid& storage_grid, const ExtractOptions& options) {
   ExtractedSurfaces result;
   result.surfaces.resize(graph.size());
+  result.fitted.resize(graph.size());
   const std::vector<StructureIndex> owners = normal_owners(classification.classes);
-  std::vector<PackedNormal> normals(classification.volume.size());
+  result.boundary_normals.resize(owners.size());
   const StructureClasses structure_classes(classification.classes, graph.size());
   const StructureExtractor extractor(classification, structure_classes, storage_grid, options, owners,
-                                     normals);
+                                     result.boundary_normals);
   const auto structures = structures_to_extract(classification.classes, structure_classes, graph);
 
   initialize_vtk();
@@ -132,9 +127,9 @@ Result<ExtractedSurfaces> extract_surfaces(const Classification& classification,
                   extracted[n].error().message);
     }
     result.surfaces[structure] = std::move(extracted[n]->mesh);
+    result.fitted[structure] = extracted[n]->fitted;
     if (!extracted[n]->is_derived) ++result.not_derived;
   }
-  result.boundary_normals = gather_by_class(classification, owners, normals);
   return result;
 }
 

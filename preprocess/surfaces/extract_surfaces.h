@@ -16,6 +16,7 @@ namespace splatlas {
 struct ExtractedSurfaces {
   std::vector<SurfaceMesh> surfaces;                        ///< per structure; empty without voxels
   std::vector<std::vector<PackedNormal>> boundary_normals;  ///< per class, as in AtlasContent
+  std::vector<FittedSurface> fitted;                        ///< per structure, as in AtlasContent
   /// Number of surfaces whose triangles do not follow from the voxels, see adopt_triangles(). Files store
   /// them.
   std::size_t not_derived = 0;
@@ -34,13 +35,14 @@ struct ExtractOptions {
   std::function<void(double)> progress;  ///< receives the fraction done on the calling thread; may be empty
   std::vector<Isosurface> isosurfaces = {};  ///< see move_to_isosurface()
   const VoxelBuffer* values = nullptr;       ///< grey values for isosurfaces
+  bool keeps_fitted = true;                  ///< false: `fitted` stands for surfaces that readers derive
 };
 
 /// Extracts the surface of each structure's own voxels with VTK (marching cubes, Lorensen and Cline 1987),
 /// closed at the border of the grid, and compares it with fit_surface(), which readers use. Boundary normals
 /// come from the mask smoothed with a Gaussian of one voxel. A boundary voxel of several structures has the
 /// normal of the lowest index. Errors name the structure. Parallel over structures. Memory per thread: two
-/// bytes per voxel of a structure's box, six of an isosurface's; total: two bytes per voxel of the grid.
+/// bytes per voxel of a structure's box, six of an isosurface's.
 [[nodiscard]] Result<ExtractedSurfaces> extract_surfaces(const Classification& classification,
                                                          const StructureGraph& graph,
                                                          const Grid& storage_grid,

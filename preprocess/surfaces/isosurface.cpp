@@ -111,15 +111,15 @@ Vec3 smooth_gradient(const LevelField<T>& field, const Vec3& position) {
   return gradient;
 }
 
-/// The two voxels of a vertex midway between them.
+/// The two voxels of a vertex between them.
 struct VoxelEdge {
   std::size_t axis = 0;
   Index3 low{0, 0, 0}, high{0, 0, 0};
 
-  explicit VoxelEdge(const Vec3f& midway) {
+  explicit VoxelEdge(const Vec3f& between) {
     for (std::size_t a = 0; a < 3; ++a) {
-      low[a] = static_cast<std::int64_t>(std::floor(midway[a]));
-      if (static_cast<float>(low[a]) != midway[a]) axis = a;
+      low[a] = static_cast<std::int64_t>(std::floor(between[a]));
+      if (static_cast<float>(low[a]) != between[a]) axis = a;
     }
     high = low;
     ++high[axis];
@@ -175,11 +175,11 @@ class VertexMover {
 }  // namespace
 
 Result<void> move_to_isosurface(const VoxelBuffer& values, double level, const StructureCrop& crop,
-                                const Grid& grid, const MidwayTriangles& vtk, SurfaceMesh& mesh) {
-  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::uint32_t> vertex_of, match_vertices(vtk, mesh));
+                                const Grid& grid, const EdgeTriangles& vtk, SurfaceMesh& mesh) {
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::uint32_t> vertex_of, match_vertices(vtk, crop, mesh));
   return visit_voxel_type(values.type, [&]<typename T>(T) -> Result<void> {
     const LevelField<T> field(values, level, grid);
-    SPLATLAS_ASSIGN_OR_RETURN(const MidwayTriangles zeros,
+    SPLATLAS_ASSIGN_OR_RETURN(const EdgeTriangles zeros,
                               extract_zeros_with_vtk(crop, signed_field(field, crop)));
     if (zeros.triangles != vtk.triangles || zeros.positions_ijk.size() != vtk.positions_ijk.size()) {
       return fail(ErrorCode::kFailed, "VTK's isosurface has {} triangles, that of its voxels {} others",

@@ -23,6 +23,6 @@ inline constexpr std::int64_t kMaxIsosurfaceSize = 16383;
 /// voxel of the crop. Cost: that of match_vertices(), and about 1 us per vertex for normals.
 [[nodiscard]] Result<void> move_to_isosurface(const VoxelBuffer& values, double level,
                                               const StructureCrop& crop, const Grid& grid,
-                                              const MidwayTriangles& vtk, SurfaceMesh& mesh);
+                                              const EdgeTriangles& vtk, SurfaceMesh& mesh);
 
 }  // namespace splatlas

@@ -23,36 +23,36 @@ namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// A voxel edge: its first voxel, and its axis.
-using EdgeKey = std::array<std::int64_t, 4>;
-
-/// The edge of a vertex: one of its coordinates lies strictly between two voxels.
-EdgeKey edge_of(const std::array<float, 3>& position) {
-  EdgeKey key{0, 0, 0, 3};
-  for (std::size_t a = 0; a < 3; ++a) {
-    key[a] = static_cast<std::int64_t>(std::floor(position[a]));
-    if (static_cast<float>(key[a]) != position[a]) key[3] = static_cast<std::int64_t>(a);
-  }
-  return key;
-}
-
-/// Vertices of a mesh by their edges.
+/// Vertices of a mesh by the voxel edges that they lie on.
 class VertexFinder {
  public:
-  explicit VertexFinder(const SurfaceMesh& mesh) {
+  VertexFinder(const StructureCrop& crop, const SurfaceMesh& mesh) : crop_(crop) {
     for (std::uint32_t v = 0; v < mesh.positions_ijk.size(); ++v)
       found_.emplace_back(edge_of(mesh.positions_ijk[v]), v);
     std::ranges::sort(found_);
   }
   [[nodiscard]] std::optional<std::uint32_t> find(const std::array<float, 3>& position) const {
-    const EdgeKey key = edge_of(position);
-    const auto at = std::ranges::lower_bound(found_, key, {}, &std::pair<EdgeKey, std::uint32_t>::first);
-    if (at == found_.end() || at->first != key) return std::nullopt;
+    const std::size_t edge = edge_of(position);
+    const auto at = std::ranges::lower_bound(found_, edge, {}, &std::pair<std::size_t, std::uint32_t>::first);
+    if (at == found_.end() || at->first != edge) return std::nullopt;
     return at->second;
   }
 
  private:
-  std::vector<std::pair<EdgeKey, std::uint32_t>> found_;
+  /// Four times the offset of its first voxel, plus its axis: one coordinate lies strictly between two
+  /// voxels.
+  [[nodiscard]] std::size_t edge_of(const std::array<float, 3>& position) const {
+    Index3 voxel;
+    std::size_t axis = 3;
+    for (std::size_t a = 0; a < 3; ++a) {
+      voxel[a] = static_cast<std::int64_t>(std::floor(position[a])) - crop_.first[a];
+      if (std::floor(position[a]) != position[a]) axis = a;
+    }
+    return 4 * crop_.offset(voxel[0], voxel[1], voxel[2]) + axis;
+  }
+
+  const StructureCrop& crop_;
+  std::vector<std::pair<std::size_t, std::uint32_t>> found_;
 };
 
 Triangle smallest_rotation(const Triangle& t) {
@@ -97,7 +97,7 @@ class CellOrder {
 };
 
 /// The contour of scalars on the voxels of a crop.
-Result<MidwayTriangles> extract_contour(const StructureCrop& crop, vtkDataArray& scalars, double value) {
+Result<EdgeTriangles> extract_contour(const StructureCrop& crop, vtkDataArray& scalars, double value) {
   vtkNew<vtkImageData> image;
   image->SetDimensions(static_cast<int>(crop.size[0]), static_cast<int>(crop.size[1]),
                        static_cast<int>(crop.size[2]));
@@ -112,7 +112,7 @@ Result<MidwayTriangles> extract_contour(const StructureCrop& crop, vtkDataArray&
     return fail(ErrorCode::kFailed, "VTK cannot extract the surface: {}", fault);
 
   vtkPolyData& found = *extract->GetOutput();
-  MidwayTriangles result;
+  EdgeTriangles result;
   result.positions_ijk.resize(static_cast<std::size_t>(found.GetNumberOfPoints()));
   for (std::size_t v = 0; v < result.positions_ijk.size(); ++v) {
     const double* const point = found.GetPoint(static_cast<vtkIdType>(v));
@@ -135,24 +135,25 @@ Result<MidwayTriangles> extract_contour(const StructureCrop& crop, vtkDataArray&
 
 }  // namespace
 
-Result<MidwayTriangles> extract_with_vtk(const StructureCrop& crop) {
-  vtkNew<vtkUnsignedCharArray> mask;
-  mask->SetNumberOfValues(static_cast<vtkIdType>(crop.parts.size()));
-  std::ranges::transform(crop.parts, mask->GetPointer(0), [](std::uint8_t part) {
-    return static_cast<unsigned char>(part != StructureCrop::kOutside);
-  });
-  return extract_contour(crop, *mask, 0.5);
+Result<EdgeTriangles> extract_with_vtk(const StructureCrop& crop) {
+  static_assert(StructureCrop::kOutside < 0.5 && StructureCrop::kInterior > 0.5 &&
+                StructureCrop::kBoundary > 0.5);
+  vtkNew<vtkUnsignedCharArray> scalars;
+  // VTK does not write to its input.
+  scalars->SetArray(const_cast<std::uint8_t*>(crop.parts.data()), static_cast<vtkIdType>(crop.parts.size()),
+                    1);
+  return extract_contour(crop, *scalars, 0.5);
 }
 
-Result<MidwayTriangles> extract_zeros_with_vtk(const StructureCrop& crop, std::span<const float> field) {
+Result<EdgeTriangles> extract_zeros_with_vtk(const StructureCrop& crop, std::span<const float> field) {
   vtkNew<vtkFloatArray> scalars;
-  // VTK does not write to its input.
   scalars->SetArray(const_cast<float*>(field.data()), static_cast<vtkIdType>(field.size()), 1);
   return extract_contour(crop, *scalars, 0);
 }
 
-Result<std::vector<std::uint32_t>> match_vertices(const MidwayTriangles& vtk, const SurfaceMesh& mesh) {
-  const VertexFinder finder(mesh);
+Result<std::vector<std::uint32_t>> match_vertices(const EdgeTriangles& vtk, const StructureCrop& crop,
+                                                  const SurfaceMesh& mesh) {
+  const VertexFinder finder(crop, mesh);
   std::vector<std::uint32_t> vertex_of(vtk.positions_ijk.size());
   for (std::size_t v = 0; v < vertex_of.size(); ++v) {
     const std::optional<std::uint32_t> vertex = finder.find(vtk.positions_ijk[v]);
@@ -166,9 +167,9 @@ Result<std::vector<std::uint32_t>> match_vertices(const MidwayTriangles& vtk, co
   return vertex_of;
 }
 
-Result<bool> adopt_triangles(const MidwayTriangles& vtk, const StructureCrop& crop, const Grid& grid,
+Result<bool> adopt_triangles(const EdgeTriangles& vtk, const StructureCrop& crop, const Grid& grid,
                              SurfaceMesh& mesh) {
-  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::uint32_t> vertex_of, match_vertices(vtk, mesh));
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::uint32_t> vertex_of, match_vertices(vtk, crop, mesh));
   const bool mirrored = determinant(index_to_lps_mm(grid).linear) < 0;
   std::vector<Triangle> triangles = vtk.triangles;
   for (Triangle& triangle : triangles) {

@@ -156,7 +156,7 @@ TEST(AdoptTriangles, TakesTrianglesThatDoNotFollowFromTheVoxels) {
   const Grid grid{.size = {6, 6, 6}};
   SurfaceMesh flipped = fit_surface(crop, grid, SurfaceRule::kVoxels);
   flip_diagonals(flipped);
-  MidwayTriangles other{flipped.positions_ijk, flipped.triangles};
+  EdgeTriangles other{flipped.positions_ijk, flipped.triangles};
   std::ranges::reverse(other.triangles);
   SurfaceMesh mesh = fit_surface(crop, grid, SurfaceRule::kSmooth);
   EXPECT_FALSE(value_or_throw(adopt_triangles(other, crop, grid, mesh)));
@@ -198,7 +198,7 @@ TEST(AdoptTriangles, RefusesAVertexThatNoVoxelEdgeHas) {
   const StructureCrop crop = crop_of(mask);
   const Grid grid{.size = {3, 3, 3}};
   SurfaceMesh mesh = fit_surface(crop, grid, SurfaceRule::kSmooth);
-  MidwayTriangles vtk = value_or_throw(extract_with_vtk(crop));
+  EdgeTriangles vtk = value_or_throw(extract_with_vtk(crop));
   vtk.positions_ijk[0] = {1, 1, 0.5f};
   const Result<bool> adopted = adopt_triangles(vtk, crop, grid, mesh);
   ASSERT_FALSE(adopted);
