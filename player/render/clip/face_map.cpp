@@ -187,7 +187,7 @@ Result<FaceMap> FaceMap::build(const VoxelPlane& plane, const FaceScene& scene, 
   map.first_c_ = box.first[map.c_] - 1;
   map.columns_ = box.last[map.b_] - map.first_b_ + 2;
   map.rows_ = box.last[map.c_] - map.first_c_ + 2;
-  const auto columns = static_cast<std::size_t>(map.columns_) * static_cast<std::size_t>(map.rows_);
+  const auto columns = static_cast<std::uint64_t>(map.columns_) * static_cast<std::uint64_t>(map.rows_);
   SPLATLAS_ASSIGN_OR_RETURN(map.texels_, SparseBytes::reserve((columns << map.layer_bits_) * sizeof(Texel)));
 
   if (!scene.plan.surfaces.empty()) map.add_solids(plane, scene, pool);

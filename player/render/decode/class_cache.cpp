@@ -153,7 +153,7 @@ std::uint64_t ClassCache::bytes() const {
 }
 
 Result<void> ClassCache::reserve(std::span<const Missing> missing) {
-  const auto voxels = static_cast<std::size_t>(atlas_->grid().voxels());
+  const auto voxels = static_cast<std::uint64_t>(atlas_->grid().voxels());
   std::uint64_t new_voxels = 0;
   IndexBox box;
   bool values = false, normals = false;
@@ -174,7 +174,7 @@ Result<void> ClassCache::reserve(std::span<const Missing> missing) {
 
   // Request large pages between the first and the last slice of the box, unless voxels are sparse
   constexpr std::uint64_t kSparse = 32;  // voxels of the grid per required voxel
-  const std::size_t slice = voxels / static_cast<std::size_t>(atlas_->grid().size[2]);
+  const auto slice = static_cast<std::size_t>(voxels / static_cast<std::uint64_t>(atlas_->grid().size[2]));
   const std::size_t first = static_cast<std::size_t>(box.first[2]) * slice;
   const std::size_t count = static_cast<std::size_t>(box.last[2] - box.first[2] + 1) * slice;
   if (new_voxels < count / kSparse) return {};

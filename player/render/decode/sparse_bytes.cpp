@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 
 #include <sys/mman.h>
 
@@ -18,11 +19,13 @@ void SparseBytes::Unmap::operator()(std::byte* /*data*/) const {
   munmap(mapped, mapped_bytes);
 }
 
-Result<SparseBytes> SparseBytes::reserve(std::size_t bytes) {
-  // Reserve slack to align the range to large pages.
-  const std::size_t mapped_bytes = bytes + 2 * kLargePage;
-  void* const mapped =
-      mmap(nullptr, mapped_bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+Result<SparseBytes> SparseBytes::reserve(std::uint64_t bytes) {
+  constexpr std::size_t kSlack = 2 * kLargePage;  // to align the range to large pages
+  const bool fits = bytes <= std::numeric_limits<std::size_t>::max() - kSlack;
+  const std::size_t size = fits ? static_cast<std::size_t>(bytes) : 0, mapped_bytes = size + kSlack;
+  void* const mapped = fits ? mmap(nullptr, mapped_bytes, PROT_READ | PROT_WRITE,
+                                   MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0)
+                            : MAP_FAILED;
   if (mapped == MAP_FAILED) {
     return fail(ErrorCode::kLimit,
                 "cannot reserve {} bytes of address space for grey values; select less, or raise the "
@@ -32,7 +35,7 @@ Result<SparseBytes> SparseBytes::reserve(std::size_t bytes) {
   const std::size_t into_page = reinterpret_cast<std::uintptr_t>(mapped) % kLargePage;
   SparseBytes sparse;
   sparse.data_ = {static_cast<std::byte*>(mapped) + (into_page == 0 ? 0 : kLargePage - into_page),
-                  Unmap{mapped, mapped_bytes, bytes}};
+                  Unmap{mapped, mapped_bytes, size}};
   return sparse;
 }
 

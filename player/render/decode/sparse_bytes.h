@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 
 #include "format/result.h"
@@ -11,8 +12,8 @@ namespace splatlas {
 /// A range of zeros in virtual memory. Only written pages are resident.
 class SparseBytes {
  public:
-  /// Reserves address space without memory. kLimit if the system refuses.
-  [[nodiscard]] static Result<SparseBytes> reserve(std::size_t bytes);
+  /// Reserves address space without memory. kLimit if the system refuses, or addresses have too few bits.
+  [[nodiscard]] static Result<SparseBytes> reserve(std::uint64_t bytes);
   /// Announces dense writes to a part, which may then be backed by large pages (2 MiB). Their page faults
   /// cost a third per byte. A hint: no effect on systems without large pages.
   void expect_dense(std::size_t first, std::size_t bytes);

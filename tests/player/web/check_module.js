@@ -1,7 +1,8 @@
 // node check_module.js CHECK MODULE FOLDER: a check of splatlas.wasm with the scenes of splatlas-web-scenes in FOLDER.
-//   pictures   equal the native ones, to 2e-5 of full scale
+//   pictures   equal the native ones, to 2e-5 of full scale; picks are the same
 //   interface  imports and exports are exactly those listed here
 //   pieces     an atlas in pieces, as from a server, gives the same pictures, and not all of it is read
+//   hostile    atlases with right checksums and wrong contents do as they do natively, never trap
 //   damage     damaged atlases give an error, or a picture that tells what is missing, never a trap
 // Exit status 77: there is no module.
 'use strict';
@@ -28,25 +29,36 @@ function draw(splatlas, atlas, scene) {
   return splatlas.floats();
 }
 
+const valuesOf = bytes => new Float32Array(Uint8Array.from(bytes).buffer);
+
+/** The largest difference, which must be small. */
+function compare(floats, expected, what) {
+  assert.strictEqual(floats.length, expected.length);
+  let difference = 0;
+  for (let i = 0; i < floats.length; ++i) difference = Math.max(difference, Math.abs(floats[i] - expected[i]));
+  assert(difference <= 2e-5, `${what}: ${difference} of full scale`);
+  return difference;
+}
+
 async function checkPictures(module, folder) {
   const splatlas = await Splatlas.load(module);
   const scenes = fs.readdirSync(folder).filter(name => name.endsWith('.json')).map(name => parseInt(name, 10));
   assert(scenes.length >= 100);
-  let worst = 0, shown = 0;
+  let worst = 0, shown = 0, picked = 0;
   for (const n of scenes.sort((a, b) => a - b)) {
     const file = ending => fs.readFileSync(path.join(folder, `${n}.${ending}`));
     const floats = draw(splatlas, file('atlas'), JSON.parse(file('json')));
-    const expected = new Float32Array(Uint8Array.from(file('floats')).buffer);
-    assert.strictEqual(floats.length, expected.length);
-    let difference = 0;
-    for (let i = 0; i < floats.length; ++i) difference = Math.max(difference, Math.abs(floats[i] - expected[i]));
-    assert(difference <= 2e-5, `scene ${n}: ${difference} of full scale`);
-    worst = Math.max(worst, difference);
+    const expected = valuesOf(file('floats'));
+    worst = Math.max(worst, compare(floats, expected, `scene ${n}`));
+    for (const {at, answer} of JSON.parse(file('picks'))) {
+      assert.deepStrictEqual(splatlas.pick(...at)?.path, answer?.path, `scene ${n}: pick at ${at}`);
+      picked += answer !== null;
+    }
     shown += expected.some(value => value > 0);
   }
-  assert(shown > 50);
+  assert(shown > 50 && picked > 50);
   checkScenes(splatlas, fs.readFileSync(path.join(folder, 'lesson.atlas')));
-  console.log(`${scenes.length} pictures, ${shown} not empty: at most ${worst} of full scale apart`);
+  console.log(`${scenes.length} pictures, ${shown} not empty, ${picked} picks: at most ${worst} of full scale apart`);
 }
 
 /** Scenes are what info() tells of them. */
@@ -154,10 +166,38 @@ async function checkDamage(module, folder) {
   assert.strictEqual(outcome(splatlas, atlas), intact);
 }
 
+async function checkHostile(module, folder) {
+  const splatlas = await Splatlas.load(module);
+  const counts = {error: 0, part: 0, whole: 0};
+  let slowest = 0;
+  for (let n = 0; n < 400; ++n) {
+    const [atlas, picture] = ['atlas', 'floats'].map(ending => path.join(folder, 'hostile', `${n}.${ending}`));
+    const expected = fs.existsSync(picture) ? valuesOf(fs.readFileSync(picture)) : null;
+    const begin = performance.now();
+    let outcome = 'error';
+    try {
+      splatlas.open(fs.readFileSync(atlas));
+      splatlas.info();
+      splatlas.select('*:both');
+      splatlas.view({azimuth: 20, elevation: 10});
+      splatlas.options({caps: 'values'});
+      outcome = splatlas.render(32, 32).missing.length > 0 ? 'part' : 'whole';
+    } catch (error) {
+      if (!(error instanceof Splatlas.Error)) throw error;
+      assert(expected === null || error.code === 'limit', `atlas ${n}: ${error}`);
+    }
+    slowest = Math.max(slowest, performance.now() - begin);
+    if (outcome === 'whole') compare(splatlas.floats(), expected, `atlas ${n}`);
+    ++counts[outcome];
+  }
+  console.log(counts, `slowest ${slowest.toFixed(0)} ms`);
+  assert(counts.error > 100 && counts.part > 20 && counts.whole > 20);
+}
+
 async function main([check, file, folder]) {
   if (!fs.existsSync(file)) return 77;
   const module = await WebAssembly.compile(fs.readFileSync(file));
-  await {pictures: checkPictures, interface: checkInterface, pieces: checkPieces, damage: checkDamage}[check](module, folder);
+  await {pictures: checkPictures, interface: checkInterface, pieces: checkPieces, damage: checkDamage, hostile: checkHostile}[check](module, folder);
   return 0;
 }
 

@@ -1,6 +1,6 @@
 // splatlas-web-scenes FOLDER: draws random scenes by the web API and by the renderer, which must agree to the
-// bit, and writes each for the module's test: N.atlas, N.json, and N.floats, the picture. Also phantom.atlas,
-// and lesson.atlas for a page.
+// bit, and writes each for the module's test: N.atlas, N.json, N.floats, the picture, and N.picks. Also
+// phantom.atlas, lesson.atlas for a page, and hostile atlases.
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
@@ -15,6 +15,7 @@
 
 #include "format/atlas_writer.h"
 #include "player/web/web_api.h"
+#include "tests/fuzz/mutators.h"
 #include "tests/support/phantom_content.h"
 #include "tests/support/random_scene.h"
 
@@ -22,9 +23,7 @@ namespace splatlas {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Bytes = std::vector<std::byte>;
-
-constexpr std::uint32_t kScenes = 100;
+constexpr std::uint32_t kScenes = 100, kPicks = 4, kHostile = 400;
 
 template <typename T>
 void write_file(const std::filesystem::path& path, const T* data, std::size_t count) {
@@ -38,8 +37,12 @@ void give(const void* data, std::size_t bytes) {
   if (bytes > 0) std::memcpy(input, data, bytes);
 }
 
+std::string text() {
+  return {splatlas_text(), splatlas_text_bytes()};
+}
+
 void require(int status) {
-  if (status != 0) throw std::runtime_error(std::string(splatlas_text(), splatlas_text_bytes()));
+  if (status != 0) throw std::runtime_error(text());
 }
 
 /// A scene that the module can draw, and the options that its API has.
@@ -110,6 +113,15 @@ void write_scene(RandomScene& scene, std::uint32_t n, const std::filesystem::pat
   write_file(path("atlas"), atlas.data(), atlas.size());
   write_file(path("json"), json.data(), json.size());
   write_file(path("floats"), splatlas_floats(), values);
+  Json picks = Json::array();
+  for (std::uint32_t pick = 0; pick < kPicks; ++pick) {  // around the middle
+    const double x = scene.options.size.width * (0.4 + 0.2 * (pick % 2));
+    const double y = scene.options.size.height * (0.4 + 0.2 * (pick / 2));
+    require(splatlas_pick(x, y));
+    picks.push_back({{"at", {x, y}}, {"answer", Json::parse(text())}});
+  }
+  const std::string answers = picks.dump();
+  write_file(path("picks"), answers.data(), answers.size());
 }
 
 /// The phantom with scenes, and markup in every text that a page shows.
@@ -142,12 +154,41 @@ void write_scenes(const std::filesystem::path& folder) {
   write_file(folder / "lesson.atlas", lesson.data(), lesson.size());
 }
 
+/// hostile/N.atlas: wrong contents with right checksums, as an attacker writes them. N.floats: the native
+/// picture, if one can be drawn whole.
+void write_hostile(const std::filesystem::path& folder) {
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  Random random(6);
+  const auto mutate_bytes = [&](Bytes& bytes, std::size_t) {
+    for (int n = 0; n < 3 && !bytes.empty(); ++n)
+      bytes[random() % bytes.size()] = static_cast<std::byte>(random() % 256);
+  };
+  for (std::uint32_t n = 0; n < kHostile; ++n) {
+    Bytes atlas;
+    for (std::uint32_t mutations = 0; mutations < 2 + n % 3; ++mutations)
+      atlas = mutate_atlas(std::move(atlas), std::size_t{1} << 16, random, mutate_bytes);
+    write_file(folder / fmt::format("{}.atlas", n), atlas.data(), atlas.size());
+    give(atlas.data(), atlas.size());
+    if (splatlas_open() != 0) continue;
+    const std::string select = "*:both";
+    give(select.data(), select.size());
+    if (splatlas_select() != 0) continue;
+    splatlas_camera(20, 10, 1, 0, 0, 0, 0, 0, 30);
+    splatlas_clear_cuts();
+    require(splatlas_options(0, 0, 1, 0));
+    if (splatlas_render(32, 32, 1) != 0 || !text().starts_with("[]")) continue;
+    write_file(folder / fmt::format("{}.floats", n), splatlas_floats(), 4 * 32 * 32);
+  }
+}
+
 }  // namespace
 }  // namespace splatlas
 
 int main(int argc, char** argv) try {
   if (argc != 2) return 2;
   splatlas::write_scenes(argv[1]);
+  splatlas::write_hostile(std::filesystem::path(argv[1]) / "hostile");
   return 0;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "splatlas-web-scenes: %s\n", error.what());

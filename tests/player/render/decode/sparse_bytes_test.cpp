@@ -54,9 +54,11 @@ TEST(SparseBytes, TakesAddressSpaceOnly) {
 }
 
 TEST(SparseBytes, SaysWhenThereIsNoAddressSpace) {
-  const auto sparse = SparseBytes::reserve(std::size_t{1} << 62);
-  ASSERT_FALSE(sparse);
-  EXPECT_EQ(sparse.error().code, ErrorCode::kLimit);
+  for (const std::uint64_t bytes : {std::uint64_t{1} << 62, ~std::uint64_t{0}}) {
+    const auto sparse = SparseBytes::reserve(bytes);
+    ASSERT_FALSE(sparse);
+    EXPECT_EQ(sparse.error().code, ErrorCode::kLimit);
+  }
 }
 
 }  // namespace
