@@ -29,6 +29,7 @@ struct BenchScene {
 [[nodiscard]] Result<Report> run_scale_bench(const BenchOptions& options);
 [[nodiscard]] Result<Report> run_size_bench(const BenchOptions& options);
 [[nodiscard]] Result<Report> run_build_bench(const BenchOptions& options);
+[[nodiscard]] Result<Report> run_web_bench(const BenchOptions& options);
 // Built if the peers are installed.
 [[nodiscard]] Result<Report> run_error_bench(const BenchOptions& options);
 [[nodiscard]] Result<Report> run_hybrid_bench(const BenchOptions& options);

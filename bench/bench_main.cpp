@@ -42,6 +42,7 @@ constexpr std::array kBenches{
     Bench{"size", "bytes of atlases, sections and single structures beside .nii.gz, Draco and crackle",
           run_size_bench},
     Bench{"build", "preprocessing: time by stage, over loading alone, memory", run_build_bench},
+    Bench{"web", "frames by the WebAssembly module in Node beside native ones", run_web_bench},
 #ifdef SPLATLAS_HAS_PEERS
     Bench{"error", "run time against error, ours at every quality beside VolPack and VTK", run_error_bench},
     Bench{"hybrid", "surfaces mixed with volume, beside VTK's depth peeling and FixedPoint with surfaces",
