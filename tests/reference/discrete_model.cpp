@@ -42,8 +42,24 @@ std::array<double, 2> voxels_per_pixel(const ParallelView& view, const Grid& gri
   return reach;
 }
 
+/// Width of a voxel in pixels.
+double pixels_per_voxel(const ParallelView& view, const Grid& grid, Axis principal) {
+  const std::array<double, 2> reach = voxels_per_pixel(view, grid, principal);
+  return 1 / std::min(reach[0], reach[1]);
+}
+
+/// True for a dense selection.
+bool is_sharp(const OpticalField& field) {
+  return field.mean_densest * voxel_side_mm(field.grid) >= 1;
+}
+
 }  // namespace
 
+int slabs_per_slice(Quality quality, const ParallelView& view, const OpticalField& field, Axis principal) {
+  const double slice_pixels = field.grid.spacing_mm[static_cast<std::size_t>(principal)] / view.mm_per_pixel;
+  const bool hidden = std::max(slice_pixels, pixels_per_voxel(view, field.grid, principal)) <= 0.6;
+  return quality == Quality::kNormal && hidden && !is_sharp(field) ? 2 : slabs_per_slice(quality);
+}
 int slabs_per_slice(Quality quality) {
   switch (quality) {
     case Quality::kNormal: return 4;
@@ -55,12 +71,11 @@ int slabs_per_slice(Quality quality) {
 
 int sheet_pixels_per_voxel(Quality quality, const ParallelView& view, const OpticalField& field,
                            Axis principal) {
-  const std::array<double, 2> reach = voxels_per_pixel(view, field.grid, principal);
-  const double pixels_per_voxel = std::min(1 / std::min(reach[0], reach[1]), 1e3);
+  const double pixels = std::min(pixels_per_voxel(view, field.grid, principal), 1e3);
   const auto rounded = [&](double per_pixel, int min, int max) {
-    return std::clamp(static_cast<int>(std::ceil(per_pixel * pixels_per_voxel - 0.25)), min, max);
+    return std::clamp(static_cast<int>(std::ceil(per_pixel * pixels - 0.25)), min, max);
   };
-  const bool sharp = field.mean_densest * voxel_side_mm(field.grid) >= 1;
+  const bool sharp = is_sharp(field);
   switch (quality) {
     case Quality::kNormal: return sharp ? rounded(2.25, 1, 6) : rounded(1.5, 1, 4);
     case Quality::kHigh: return rounded(sharp ? 2.5 : 2, 2, 8);

@@ -92,7 +92,8 @@ class DiscreteScene {
                unlimited ? 0
                          : sheet_pixels_per_voxel(scene.options.quality, setup_.view, setup_.field,
                                                   setup_.principal),
-               slabs_per_slice(scene.options.quality), setup_.cut.empty() ? nullptr : &setup_.cut),
+               slabs_per_slice(scene.options.quality, setup_.view, setup_.field, setup_.principal),
+               setup_.cut.empty() ? nullptr : &setup_.cut),
         surfaces_(scene.content, scene.selection, setup_.view, setup_.principal, Coverage::kSnapped) {}
 
   [[nodiscard]] RayRadiance at(double x, double y) const { return compose_at(crossings(x, y), x, y); }
