@@ -84,6 +84,13 @@ int sheet_pixels_per_voxel(Quality quality, const ParallelView& view, const Opti
   return rounded(1, 1, 2);
 }
 
+int share_pixels_per_voxel(Quality quality, const ParallelView& view, const OpticalField& field,
+                           Axis principal) {
+  const double pixels = std::min(pixels_per_voxel(view, field.grid, principal), 1e3);
+  return std::clamp(static_cast<int>(std::ceil(pixels - 0.25)), 1,
+                    sheet_pixels_per_voxel(quality, view, field, principal));
+}
+
 DiscreteModel::DiscreteModel(const OpticalField& field, const ParallelView& view, Axis principal,
                              int pixels_per_voxel, int parts, const ReferenceCut* cut)
     : field_(field),

@@ -29,6 +29,10 @@ namespace splatlas::reference {
 [[nodiscard]] int sheet_pixels_per_voxel(Quality quality, const ParallelView& view, const OpticalField& field,
                                          Axis principal);
 
+/// The same of id images, whose sheets have one slab a slice.
+[[nodiscard]] int share_pixels_per_voxel(Quality quality, const ParallelView& view, const OpticalField& field,
+                                         Axis principal);
+
 class DiscreteModel {
  public:
   /// Keeps references. `pixels_per_voxel`: resolution of the sheet; 0: unlimited, so that slabs remain the

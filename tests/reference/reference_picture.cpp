@@ -90,9 +90,11 @@ class DiscreteScene {
         unlimited_(unlimited),
         model_(setup_.field, setup_.view, setup_.principal,
                unlimited ? 0
-                         : sheet_pixels_per_voxel(scene.options.quality, setup_.view, setup_.field,
-                                                  setup_.principal),
-               slabs_per_slice(scene.options.quality, setup_.view, setup_.field, setup_.principal),
+                         : (scene.shares ? share_pixels_per_voxel : sheet_pixels_per_voxel)(
+                               scene.options.quality, setup_.view, setup_.field, setup_.principal),
+               scene.shares
+                   ? 1
+                   : slabs_per_slice(scene.options.quality, setup_.view, setup_.field, setup_.principal),
                setup_.cut.empty() ? nullptr : &setup_.cut),
         surfaces_(scene.content, scene.selection, setup_.view, setup_.principal, Coverage::kSnapped) {}
 

@@ -99,20 +99,21 @@ class IdChecker {
     for (std::size_t n = 0; n < frame.ids.numbers.size(); ++n) {
       const StructureNumber number = frame.ids.numbers[n];
       const float opacity = frame.picture.rgba[4 * n + 3];
-      if ((number == 0) != (opacity < static_cast<float>(kMinOpacity)))
+      const bool is_visible = opacity >= static_cast<float>(kMinOpacity);
+      if (number != 0 && !is_visible)
         return fault(fmt::format("pixel {} of opacity {} has number {}", n, opacity, number));
-      if (number == 0) continue;
+      if (!is_visible) continue;
       ++report_.pixels;
       const auto lacking = [&](const Shares& of) {
         double largest = 0;
         for (const auto& of_structure : of) largest = std::max(largest, of_structure[n]);
-        return largest - of[number - 1u][n];
+        return number == 0 ? largest : largest - of[number - 1u][n];
       };
       const double lacks = std::min(lacking(at_centers), lacking(of_samples));
       report_.mixed += is_mixed(at_centers, n) ? 1 : 0;
       if (lacks > kShareTolerance) {
-        return fault(fmt::format("pixel {}, of opacity {}: structure {} has a share {} below the largest", n,
-                                 opacity, number - 1, lacks));
+        return fault(fmt::format("pixel {}, of opacity {}: number {} has a share {} below the largest", n,
+                                 opacity, number, lacks));
       }
     }
   }

@@ -140,12 +140,8 @@ Result<void> SheetFrame::render_volume(Picture& /*picture*/) {
   // The positive weights of the cubic kernel sum to at most 1.28, which amplifies the error of the sheet.
   const float threshold = termination_threshold(options) / (window.cubic ? 1.3f : 1.0f);
   const SplatKernels& kernels = scene_.overrides.simd ? best_kernels() : scalar_kernels();
-  std::optional<SharePass> shares;
-  if (options.ids)
-    shares.emplace(SharePass{{*runs, scene_.numbers}, buffers_.shares, buffers_.fragment_shares});
-  stats_.voxels_visited =
-      render_sheets(spans, shear, window, kernels, threshold, planes(), buffers_.order, buffers_.sheet, pool_,
-                    shares ? &*shares : nullptr, has_ends ? &buffers_.ends : nullptr);
+  stats_.voxels_visited = render_sheets(spans, shear, window, kernels, threshold, planes(), buffers_.order,
+                                        buffers_.sheet, pool_, nullptr, has_ends ? &buffers_.ends : nullptr);
   stats_.sheets = watch.lap();
   return {};
 }
@@ -160,10 +156,27 @@ void SheetFrame::resolve(Picture& picture) {
 void SheetFrame::resolve_ids(const Picture& picture) {
   Stopwatch watch;
   if (scene_.options.ids) {
+    render_shares();
     splatlas::resolve_ids(buffers_.shares, volume_.shear, fragments(), buffers_.fragment_shares, picture,
                           buffers_.ids, pool_);
   }
   stats_.ids = watch.lap();
+}
+
+/// Renders sheets again for the shares of structures: one sample a pixel and one slab a slice suffice.
+void SheetFrame::render_shares() {
+  const auto& [spans, runs, shear, grid, detail] = volume_;
+  const RenderOptions& options = scene_.options;
+  SheetSampling sampling = sampling_of(volume_, options.quality, scene_.view.plane.mm_per_pixel);
+  const auto pixels = static_cast<int>(std::ceil(std::min(shear.voxel_pixels(), 1e3) - 0.25));
+  sampling = {std::clamp(pixels, 1, sampling.scale), 1, false};
+  const SheetWindow window =
+      choose_window(volume_, sampling, options.size, planes()).value();  // the finer fits
+  buffers_.order.build(buffers_.fragments, shear, window, options.size, grid, pool_);
+  SharePass shares{{*runs, scene_.numbers}, buffers_.shares, buffers_.fragment_shares};
+  const SplatKernels& kernels = scene_.overrides.simd ? best_kernels() : scalar_kernels();
+  static_cast<void>(render_sheets(spans, shear, window, kernels, termination_threshold(options), planes(),
+                                  buffers_.order, buffers_.sheet, pool_, &shares));
 }
 
 void SheetFrame::add_volume_depths(const ViewDepth& view_depth) {

@@ -34,6 +34,7 @@ class SheetFrame : public FrameRenderer {
   }
 
   void scale_depths();
+  void render_shares();
 
   const SheetVolume& volume_;
 };

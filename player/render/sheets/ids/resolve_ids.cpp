@@ -1,7 +1,9 @@
 #include "player/render/sheets/ids/resolve_ids.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "player/render/contributions/pixel_shares.h"
 #include "player/render/view/sheet_window.h"
@@ -162,6 +164,27 @@ class RowIds {
   PixelShares pixel_, between_;
 };
 
+/// Gives visible pixels at rims that no sheet pixel of the shares reaches the structure of their densest
+/// neighbour.
+void fill_rims(const Picture& picture, IdImage& ids) {
+  const auto [width, height] = picture.size;
+  const std::vector<StructureNumber> found = ids.numbers;
+  for (int n = 0; n < width * height; ++n) {
+    const auto opacity_of = [&](int pixel) { return picture.rgba[4 * static_cast<std::size_t>(pixel) + 3]; };
+    if (found[static_cast<std::size_t>(n)] != 0 || opacity_of(n) < kMinIdOpacity) continue;
+    float densest = 0;
+    for (int y = std::max(n / width - 1, 0); y <= std::min(n / width + 1, height - 1); ++y) {
+      for (int x = std::max(n % width - 1, 0); x <= std::min(n % width + 1, width - 1); ++x) {
+        const int other = y * width + x;
+        const StructureNumber number = found[static_cast<std::size_t>(other)];
+        if (number == 0 || opacity_of(other) <= densest) continue;
+        densest = opacity_of(other);
+        ids.numbers[static_cast<std::size_t>(n)] = number;
+      }
+    }
+  }
+}
+
 }  // namespace
 
 void resolve_ids(const SheetShares& shares, const Shear& shear, const FragmentsInVolume& fragments,
@@ -175,6 +198,7 @@ void resolve_ids(const SheetShares& shares, const Shear& shear, const FragmentsI
     for (std::size_t row = band * kBandRows; row < std::min((band + 1) * kBandRows, height); ++row)
       rows.fill(row);
   });
+  fill_rims(picture, ids);
 }
 
 }  // namespace splatlas
