@@ -63,12 +63,12 @@ class Lighter {
       return light;
     }
     const double grey = value_of(content_.values, number(voxel));
-    const double reach = 1.5 * voxel_side_mm(grid_) * std::sqrt(gradient.squared_length);
+    const double reach = 3 * voxel_side_mm(grid_) * std::sqrt(gradient.squared_length);
     const TransferCurve curve =
         transfer_curve(selection_.structures[draw_of_[c]->volume_of], content_.display);
     const double below = extinction_near(curve, grey - reach), above = extinction_near(curve, grey + reach);
     if (!(std::max(below, above) > 0)) return light;
-    light.lit = coherence * ramp(std::abs(above - below) / std::max(below, above), 0.05, 0.25);
+    light.lit = coherence * ramp(std::abs(above - below) / std::max(below, above), 0.01, 0.05);
     const double sign = above > below ? -1 : 1;
     light.normal = packed({sign * gradient.lps[0], sign * gradient.lps[1], sign * gradient.lps[2]});
     return light;

@@ -28,7 +28,7 @@ VoxelLighter::VoxelLighter(const SelectedRuns& runs, const ClassCache& cache, co
       to_lps_[a][b] = static_cast<float>(to_index.linear[std::size_t{3} * axes[a] + b]);
   }
   if (!shade || cache.values() == nullptr || runs.count() == 0) return;
-  constexpr double kReach = 1.5;  // voxels
+  constexpr double kReach = 3;  // voxels
   reach_mm_ = static_cast<float>(kReach * std::cbrt(1 / std::abs(determinant(to_index.linear))));
   grey_.emplace(runs, cache, grid);
   normals_.resize(static_cast<std::size_t>(runs.scan_voxels()));
@@ -88,7 +88,7 @@ void VoxelLighter::light_boundary(const PackedNormal* labels, std::size_t stride
 
 /// Inside, grey values define what is seen where the extinction changes with them.
 void VoxelLighter::light_interior(const TransferTable& transfer, Block& block) {
-  constexpr float kFlat = 0.05f, kSteep = 0.25f;
+  constexpr float kFlat = 0.01f, kSteep = 0.05f;
   for (std::size_t n = 0; n < block.count; ++n) {
     block.lit[n] = 0;
     if (!(block.coherence[n] > 0)) continue;
