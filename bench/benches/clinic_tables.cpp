@@ -205,7 +205,7 @@ Result<void> add_clinic(const BenchOptions& options, Report& report) {
   SPLATLAS_ASSIGN_OR_RETURN(const PeakMemory memory, PeakMemory::start());
   SPLATLAS_ASSIGN_OR_RETURN(const BuildReport built, build_head_ct({2, 2, 3}, folder.path(), options));
   SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t peak, memory.grown_bytes());
-  constexpr std::int64_t kVoxels = 512 * 512 * 324;
+  constexpr std::int64_t kVoxels = std::int64_t{512} * 512 * 324;
   report.summary["clinic_build_seconds"] =
       std::accumulate(built.stages.begin(), built.stages.end(), 0.0,
                       [](double sum, const auto& s) { return sum + s.seconds; });
