@@ -55,11 +55,6 @@ bool is_sharp(const OpticalField& field) {
 
 }  // namespace
 
-int slabs_per_slice(Quality quality, const ParallelView& view, const OpticalField& field, Axis principal) {
-  const double slice_pixels = field.grid.spacing_mm[static_cast<std::size_t>(principal)] / view.mm_per_pixel;
-  const bool hidden = std::max(slice_pixels, pixels_per_voxel(view, field.grid, principal)) <= 0.6;
-  return quality == Quality::kNormal && hidden && !is_sharp(field) ? 2 : slabs_per_slice(quality);
-}
 int slabs_per_slice(Quality quality) {
   switch (quality) {
     case Quality::kNormal: return 4;

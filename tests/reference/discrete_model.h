@@ -19,11 +19,8 @@
 
 namespace splatlas::reference {
 
-/// The documented number of slabs per slice, unless pixels hide them.
-[[nodiscard]] int slabs_per_slice(Quality quality);
 /// The documented number of slabs per slice.
-[[nodiscard]] int slabs_per_slice(Quality quality, const ParallelView& view, const OpticalField& field,
-                                  Axis principal);
+[[nodiscard]] int slabs_per_slice(Quality quality);
 
 /// The documented resolution of the sheet, in pixels per voxel.
 [[nodiscard]] int sheet_pixels_per_voxel(Quality quality, const ParallelView& view, const OpticalField& field,

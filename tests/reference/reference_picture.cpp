@@ -92,9 +92,7 @@ class DiscreteScene {
                unlimited ? 0
                          : (scene.shares ? share_pixels_per_voxel : sheet_pixels_per_voxel)(
                                scene.options.quality, setup_.view, setup_.field, setup_.principal),
-               scene.shares
-                   ? 1
-                   : slabs_per_slice(scene.options.quality, setup_.view, setup_.field, setup_.principal),
+               scene.shares ? 1 : slabs_per_slice(scene.options.quality),
                setup_.cut.empty() ? nullptr : &setup_.cut),
         surfaces_(scene.content, scene.selection, setup_.view, setup_.principal, Coverage::kSnapped) {}
 

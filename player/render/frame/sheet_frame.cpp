@@ -40,17 +40,10 @@ int sheet_scale(Quality quality, const SheetVolume& volume, bool sharp) {
   return fine(pixels_per_voxel, 1, volume.detail.max_scale);
 }
 
-/// True if pixels average enough voxels and slices to hide the error of two slabs a slice.
-bool hides_slabs(const Shear& shear, const Grid& grid, double mm_per_pixel) {
-  constexpr double kMaxPixels = 0.6;
-  const double slice_mm = grid.spacing_mm[static_cast<std::size_t>(shear.principal)];
-  return shear.voxel_pixels() <= kMaxPixels && slice_mm <= kMaxPixels * mm_per_pixel;
-}
-
 /// Slabs per slice. The error along rays is second order in their thickness.
-int slab_parts(Quality quality, bool hidden) {
+int slab_parts(Quality quality) {
   switch (quality) {
-    case Quality::kNormal: return hidden ? 2 : 4;
+    case Quality::kNormal: return 4;
     case Quality::kHigh: return 8;
     case Quality::kDraft: break;
   }
@@ -75,11 +68,10 @@ double bytes_of_sheet(const SheetWindow& window, const SpanModel& model) {
   return 2 * sizeof(float) * (1 + model.emissions) * pixels + kBytesPerRow * rows;
 }
 
-SheetSampling sampling_of(const SheetVolume& volume, Quality quality, double mm_per_pixel) {
+SheetSampling sampling_of(const SheetVolume& volume, Quality quality) {
   const auto& [model, runs, shear, grid, detail] = volume;
-  const bool sharp = has_sharp_edges(model, grid);
-  const int parts = slab_parts(quality, !sharp && hides_slabs(shear, grid, mm_per_pixel));
-  return {sheet_scale(quality, volume, sharp), parts, quality != Quality::kDraft};
+  return {sheet_scale(quality, volume, has_sharp_edges(model, grid)), slab_parts(quality),
+          quality != Quality::kDraft};
 }
 
 Result<SheetWindow> choose_window(const SheetVolume& volume, SheetSampling sampling, const PictureSize& size,
@@ -127,9 +119,9 @@ void SheetFrame::scale_depths() {
 Result<void> SheetFrame::render_volume(Picture& /*picture*/) {
   Stopwatch watch;
   const RenderOptions& options = scene_.options;
-  const SheetSampling sampling = sampling_of(volume_, options.quality, scene_.view.plane.mm_per_pixel);
-  SPLATLAS_ASSIGN_OR_RETURN(const SheetWindow window,
-                            choose_window(volume_, sampling, options.size, planes()));
+  SPLATLAS_ASSIGN_OR_RETURN(
+      const SheetWindow window,
+      choose_window(volume_, sampling_of(volume_, options.quality), options.size, planes()));
   const auto& [spans, runs, shear, grid, detail] = volume_;
   check_memory(bytes_of_sheet(window, spans));
   scale_depths();
@@ -167,7 +159,7 @@ void SheetFrame::resolve_ids(const Picture& picture) {
 void SheetFrame::render_shares() {
   const auto& [spans, runs, shear, grid, detail] = volume_;
   const RenderOptions& options = scene_.options;
-  SheetSampling sampling = sampling_of(volume_, options.quality, scene_.view.plane.mm_per_pixel);
+  SheetSampling sampling = sampling_of(volume_, options.quality);
   const auto pixels = static_cast<int>(std::ceil(std::min(shear.voxel_pixels(), 1e3) - 0.25));
   sampling = {std::clamp(pixels, 1, sampling.scale), 1, false};
   const SheetWindow window =
