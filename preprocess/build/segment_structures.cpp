@@ -126,7 +126,7 @@ class Segmenter {
         excludes[first_source() + other] = false;
     }
     if (!rule.overlaps) keep_voxels(mask, excludes, false);
-    if (rule.open_mm > 0) open_mask(mask, grid_, rule);
+    if (rule.open_mm > 0) SPLATLAS_RETURN_IF_ERROR(open_mask(mask, grid_, rule));
     return std::exchange(mask, {});
   }
 

@@ -287,8 +287,11 @@ std::vector<std::uint8_t> voxels_from(const VoxelBuffer& values, double level) {
   return mask;
 }
 
-void open_mask(std::vector<std::uint8_t>& mask, const Grid& grid, const SegmentRule& rule) {
-  open_mask(mask, grid.size, radii_of(grid, rule.open_mm));
+Result<void> open_mask(std::vector<std::uint8_t>& mask, const Grid& grid, const SegmentRule& rule) {
+  return call_itk(fmt::format("--segment \"{}\"", rule.name), [&]() -> Result<void> {
+    open_mask(mask, grid.size, radii_of(grid, rule.open_mm));
+    return {};
+  });
 }
 
 }  // namespace splatlas

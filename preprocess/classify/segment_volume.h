@@ -42,6 +42,7 @@ struct SegmentRule {
 [[nodiscard]] std::vector<std::uint8_t> voxels_from(const VoxelBuffer& values, double level);
 
 /// Morphological opening of a mask by a ball of rule.open_mm. Beyond the grid counts as inside.
-void open_mask(std::vector<std::uint8_t>& mask, const Grid& grid, const SegmentRule& rule);
+[[nodiscard]] Result<void> open_mask(std::vector<std::uint8_t>& mask, const Grid& grid,
+                                     const SegmentRule& rule);
 
 }  // namespace splatlas
