@@ -63,7 +63,7 @@ endfunction()
 set(SPLATLAS_NOT_IN_MODULE
   file/atlas_writer.cpp io/check_writable.cpp io/input_file.cpp io/interrupts.cpp io/memory_limit.cpp
   io/output_file.cpp io/output_folder.cpp io/output_path.cpp io/staged_file.cpp
-  render/rays/march/march_scalar.cpp render/rays/march/march_simd.cpp render/sheets/splat/splat_scalar.cpp write_png.cpp)
+  render/rays/march/march_scalar.cpp render/sheets/splat/splat_scalar.cpp write_png.cpp)
 function(splatlas_library name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "HEADERS")
   list(REMOVE_ITEM arg_UNPARSED_ARGUMENTS ${SPLATLAS_NOT_IN_MODULE})

@@ -17,7 +17,6 @@
 #include "player/camera_moves.h"
 #include "player/renderer.h"
 #include "player/web/info_json.h"
-#include "player/web/ray_casting.h"
 #include "player/web/remote_bytes.h"
 #include "player/web/render_warnings.h"
 
@@ -119,17 +118,10 @@ Json drawn_json(const Selection& selection) {
   return json;
 }
 
-Result<void> check_rays(const Camera& camera) {
-  if (camera.projection == CameraProjection::kParallel || has_ray_casting()) return {};
-  return fail(ErrorCode::kUsage,
-              "camera: projection perspective: this module draws parallel projections only");
-}
-
 /// Fits the camera to the selection, or to its part in a structure, and zooms by `zoom`.
 Result<void> fit(Renderer& renderer, const PictureSize& size, std::optional<StructureIndex> structure,
                  double zoom) {
   Camera& camera = player().camera;
-  SPLATLAS_RETURN_IF_ERROR(check_rays(camera));
   RenderOptions options = player().options;
   options.size = size;
   std::vector<StructureIndex> part;
@@ -162,7 +154,6 @@ Result<std::string> show_scene(std::uint32_t n, const PictureSize& size) {
 
 Result<std::string> render(const PictureSize& size, std::int32_t quality) {
   SPLATLAS_ASSIGN_OR_RETURN(Renderer* const renderer, open_renderer());
-  SPLATLAS_RETURN_IF_ERROR(check_rays(player().camera));
   if (quality < 0 || quality > static_cast<std::int32_t>(Quality::kHigh))
     return fail(ErrorCode::kUsage, "quality: {}: must be 0, 1 or 2", quality);
   RenderOptions& options = player().options;

@@ -61,8 +61,7 @@ SPLATLAS_WEB(splatlas_options)
 int splatlas_options(std::int32_t caps, std::int32_t depth_cue, std::int32_t is_shaded,
                      double draft_budget_ms);
 
-/// Renders a picture of a Quality. Text: an array of messages about missing parts of a damaged atlas. A
-/// module without ray casting refuses perspective.
+/// Renders a picture of a Quality. Text: an array of messages about missing parts of a damaged atlas.
 SPLATLAS_WEB(splatlas_render)
 int splatlas_render(std::int32_t width, std::int32_t height, std::int32_t quality);
 /// The picture: linear RGBA, premultiplied; 4 * width * height floats, top row first.

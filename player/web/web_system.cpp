@@ -5,6 +5,7 @@
 #include "format/io/input_file.h"
 #include "format/io/memory_limit.h"
 #include "format/result_macros.h"
+#include "player/render/rays/march_kernels.h"
 #include "player/render/sheets/splat/splat_kernels.h"
 
 extern "C" {
@@ -40,8 +41,12 @@ std::uint64_t default_memory_limit() {
   return machine_memory() / 2;
 }
 
-const SplatKernels& scalar_kernels() {  // the module has one instruction set
+// The module has one instruction set.
+const SplatKernels& scalar_kernels() {
   return best_kernels();
+}
+const MarchKernels& scalar_march() {
+  return best_march();
 }
 
 }  // namespace splatlas

@@ -89,8 +89,7 @@ bool gains_by_rays(const View& view, const RenderOptions& options, const Grid& g
     const auto& [x, y, z] = cut.normal_lps;
     return std::abs(dot(cut.normal_lps, view.plane.forward_lps)) < kEdgeOn * std::hypot(x, y, z);
   };
-  return options.quality == Quality::kHigh && has_march() &&
-         factorise(view.plane, grid).voxel_pixels() >= 1 &&
+  return options.quality == Quality::kHigh && factorise(view.plane, grid).voxel_pixels() >= 1 &&
          std::none_of(options.cuts.begin(), options.cuts.end(), is_along_view);
 }
 

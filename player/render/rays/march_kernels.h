@@ -102,9 +102,5 @@ struct MarchKernels {
 /// operations, rounded alike, for the same packets: results agree to 2e-5 of full scale in all scenes. They
 /// are the same bits where the machine has fused multiply-add, and nearly always elsewhere.
 [[nodiscard]] const MarchKernels& best_march();
-/// False in a module without ray casting (player/web).
-[[nodiscard]] inline bool has_march() {
-  return best_march().march != nullptr;
-}
 
 }  // namespace splatlas

@@ -22,7 +22,11 @@ return {
   kMinZoom,
   kMaxZoom,
 
-  /** Millimetres of a pixel. `size`: [width, height]; `display`: that of the atlas. */
+  isPerspective(camera) {
+    return camera.projection === 'perspective';
+  },
+
+  /** Millimetres of a pixel, in perspective at the centre. `size`: [width, height]; `display`: that of the atlas. */
   mmPerPixel(camera, size, display) {
     return 2 * (display.radius_mm || 1) / (kFit * Math.min(...size) * camera.zoom);
   },

@@ -85,6 +85,7 @@ class Page {
     const stage = this.#stage;
     if (stage.camera === null) return;
     stage.mark();
+    byId('perspective').checked = Camera.isPerspective(stage.camera);
     this.#engine.show({
       select: this.#model.selection(), cuts: this.#model.state.cuts, camera: stage.camera, fit: this.#fit,
       size: stage.pictureSize(), depthCue: byId('depth-cue').checked,
@@ -194,8 +195,9 @@ class Page {
     for (const button of [...byId('views').children].slice(-3, -1)) button.classList.add('sign');
   }
 
-  #turnTo(direction) {
-    this.#stage.camera = {...this.#stage.camera, ...direction};
+  /** Changes parts of the camera. */
+  #turnTo(camera) {
+    this.#stage.camera = {...this.#stage.camera, ...camera};
     this.#show();
   }
 
@@ -222,6 +224,8 @@ class Page {
       this.#changed();
     });
     byId('depth-cue').addEventListener('change', () => this.#show());
+    byId('perspective').addEventListener('change',
+      event => this.#turnTo({projection: event.target.checked ? 'perspective' : 'parallel'}));
     byId('print').addEventListener('click', () => print());
     byId('copy-link').addEventListener('click', async () => {
       this.#writeLink();
@@ -317,6 +321,7 @@ class Page {
     const {azimuth, elevation, zoom, center} = this.#stage.camera;
     const round = number => String(Number(number.toFixed(3)));
     const link = new URLSearchParams({select: this.#model.selection()});
+    if (Camera.isPerspective(this.#stage.camera)) link.set('projection', 'perspective');
     link.set('view', [azimuth, elevation, zoom, ...(center ?? [])].map(round).join(','));
     const {cuts, scene, isAsking} = this.#model.state;
     if (cuts.length > 0) link.set('cuts', cuts.map(({normal, offset}) => [...normal, offset].map(round)).join(';'));
@@ -341,7 +346,8 @@ class Page {
     if (isView) {
       const [azimuth, elevation, zoom, ...center] = view;
       const kept = Math.min(Math.max(zoom, Camera.kMinZoom), Camera.kMaxZoom);
-      this.#stage.camera = {azimuth, elevation, zoom: kept, ...(center.length === 3 ? {center} : {})};
+      const projection = link.get('projection') === 'perspective' ? 'perspective' : 'parallel';
+      this.#stage.camera = {azimuth, elevation, zoom: kept, projection, ...(center.length === 3 ? {center} : {})};
     } else {
       this.#fit = {structure: -1, zoom: 1};
     }

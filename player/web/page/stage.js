@@ -66,6 +66,7 @@ class Stage {
     const room = 0.3 * width * mm;
     const power = 10 ** Math.floor(Math.log10(room));
     const length = [5, 2, 1].find(n => n * power <= room) * power;
+    this.#bar.hidden = Camera.isPerspective(this.camera);  // the scale changes with the depth
     this.#bar.style.width = `${100 * length / mm / width}%`;
     this.#bar.textContent = length >= 10 ? `${length / 10} cm` : `${Number(length.toPrecision(3))} mm`;
     this.#stage.style.setProperty('--aspect', `${width} / ${height}`);

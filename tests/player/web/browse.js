@@ -174,6 +174,9 @@ async function display(visit) {
   await visit.picture('desk_contrast');
   await page.select('#theme', 'light');
   await visit.changes('text size', () => page.select('#text-size', '1'));
+  await visit.changes('perspective', () => page.click('#perspective'));
+  assert(await page.$eval('#scale-bar', bar => bar.hidden));
+  await visit.picture('desk_perspective');
   await page.click('#tab-about');
   await visit.picture('desk_about');
   await visit.hasNoOverflow();

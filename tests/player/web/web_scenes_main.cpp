@@ -49,13 +49,18 @@ void require(int status) {
 bool is_for_module(RandomScene& scene) {
   const RenderOptions& all = scene.options;
   scene.options = {.size = all.size,
-                   .quality = std::min(all.quality, Quality::kNormal),  // rays draw high quality
+                   .quality = all.quality,
                    .hybrid_shading = all.hybrid_shading,
                    .depth_cue = all.depth_cue,
                    .cuts = all.cuts,
                    .caps = all.caps};
-  scene.camera.projection = CameraProjection::kParallel;
+  scene.camera.field_of_view_deg =
+      std::min(scene.camera.field_of_view_deg, 50.0);  // above, surfaces may be refused
   return !scene.selection.empty();
+}
+
+bool is_perspective(const Camera& camera) {
+  return camera.projection == CameraProjection::kPerspective;
 }
 
 /// The scene as JSON, for check_module.js.
@@ -66,7 +71,11 @@ Json json_of(const RandomScene& scene, const std::string& select) {
     cuts.push_back({{"normal", cut.normal_lps}, {"offset", cut.offset_mm}});
   Json json{{"select", select},
             {"camera",
-             {{"azimuth", camera.azimuth_deg}, {"elevation", camera.elevation_deg}, {"zoom", camera.zoom}}},
+             {{"azimuth", camera.azimuth_deg},
+              {"elevation", camera.elevation_deg},
+              {"zoom", camera.zoom},
+              {"projection", is_perspective(camera) ? "perspective" : "parallel"},
+              {"fieldOfView", camera.field_of_view_deg}}},
             {"cuts", cuts},
             {"caps", static_cast<int>(options.caps)},
             {"depthCue", options.depth_cue == DepthCue::kEdges},
@@ -86,7 +95,7 @@ void draw(const RandomScene& scene, const Bytes& atlas, const std::string& selec
   require(splatlas_select());
   const Vec3 center = camera.center_lps_mm.value_or(Vec3{});
   splatlas_camera(camera.azimuth_deg, camera.elevation_deg, camera.zoom, camera.center_lps_mm ? 1 : 0,
-                  center[0], center[1], center[2], 0, camera.field_of_view_deg);
+                  center[0], center[1], center[2], is_perspective(camera) ? 1 : 0, camera.field_of_view_deg);
   splatlas_clear_cuts();
   for (const auto& [n, offset] : options.cuts) require(splatlas_cut(n[0], n[1], n[2], offset));
   require(splatlas_options(static_cast<int>(options.caps), static_cast<int>(options.depth_cue),
