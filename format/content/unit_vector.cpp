@@ -136,7 +136,8 @@ class NormalBlock {
 
 PackedNormal pack_normal(const std::array<float, 3>& n) {
   const float largest = std::max({std::abs(n[0]), std::abs(n[1]), std::abs(n[2])});
-  if (!(largest > 0) || !std::isfinite(largest)) return pack_codes(0, 0);
+  const bool is_finite = std::isfinite(n[0]) && std::isfinite(n[1]) && std::isfinite(n[2]);
+  if (!(largest > 0) || !is_finite) return pack_codes(0, 0);
   const std::array<float, 3> v{n[0] / largest, n[1] / largest, n[2] / largest};
   const float sum = std::abs(v[0]) + std::abs(v[1]) + std::abs(v[2]);
   std::array<float, 2> p{v[0] / sum, v[1] / sum};

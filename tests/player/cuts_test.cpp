@@ -159,6 +159,25 @@ TEST(Cuts, ShowTheKeptSideBetweenVoxels) {
   EXPECT_EQ(middle_pixel(render_or_throw(renderer, Camera::of(NamedView::kRight), options))[0], 1);
 }
 
+/// They meet far beyond the range of pixel numbers.
+TEST(Cuts, ShowTheRearOneOfNearlyParallelPlanes) {
+  const AtlasContent content = halves();
+  Renderer renderer = renderer_of(content, selection_of("l + r", content.graph));
+  const Camera camera{.azimuth_deg = 90, .zoom = 3};
+  RenderOptions options{.size = {40, 30}, .caps = CapMode::kLabels};
+  const CutPlane rear{{1, 0, 0}, -5};
+  options.cuts = cuts_of({rear});
+  const Frame expected = frame_or_throw(renderer, camera, options);
+  for (const double tilt : {1e-17, -1e-17}) {
+    const CutPlane front{{1, tilt, 0}, 5};
+    for (const std::vector<CutPlane>& planes : {std::vector{rear, front}, {front, rear}}) {
+      options.cuts = cuts_of(planes);
+      const Frame frame = frame_or_throw(renderer, camera, options);
+      EXPECT_EQ(frame.picture.rgba, expected.picture.rgba);
+    }
+  }
+}
+
 /// A plane along the view has a smooth edge: a thin volume has half the opacity where the plane halves a
 /// pixel.
 TEST(Cuts, AntialiasPlanesAlongTheView) {

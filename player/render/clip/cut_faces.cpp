@@ -135,8 +135,10 @@ FaceLayer::Extent ViewFaces::row_of_parallel_rays(double y, std::int32_t width, 
         (per_x > 0 ? first : last) = per_x > 0 ? std::max(first, at) : std::min(last, at);
       }
     }
-    const auto begin = static_cast<std::int32_t>(std::ceil(std::max(first, 0.0) - 0.5));
-    const auto end = static_cast<std::int32_t>(std::ceil(std::min(last, static_cast<double>(width)) - 0.5));
+    const auto pixel = [&](double x) {  // planes nearly parallel to each other meet far outside the picture
+      return static_cast<std::int32_t>(std::ceil(std::clamp(x, 0.0, static_cast<double>(width)) - 0.5));
+    };
+    const std::int32_t begin = pixel(first), end = pixel(last);
     if (begin >= end) continue;
 
     // Follow the plane along the row

@@ -48,7 +48,7 @@ class Image {
         stride_(columns + 2 * (ImageRows::kMargin + kGuard)),
         phase_rows_(phase_rows),
         planes_(planes),
-        floats_(phase_rows * planes * static_cast<std::size_t>(stride_)) {}
+        floats_(phase_rows * planes * static_cast<std::size_t>(stride_) + kGuard + ImageRows::kMargin) {}
 
   /// Order: rows between a pair, then phases.
   [[nodiscard]] ImageRows rows(std::size_t phases, std::size_t rows_between) {
