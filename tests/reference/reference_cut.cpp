@@ -185,8 +185,8 @@ ReferenceFace ReferenceCut::face(const Vec3& index, std::size_t number) const {
   const IndexPlane plane = slightly_inside(planes_[number]);
   const std::vector<bool>& outlined = outlined_[number];
   const std::vector<bool> none(outlined.size());
-  // Take the last of the solids that enclose the point and the volume of the nearest voxel; ties go to the
-  // kept side
+  // Take the last of the solids that enclose the point and the volume with the largest share of it; ties go
+  // to the nearest voxel, on the kept side
   Vec3 inside = index;
   Index3 nearest{};
   for (std::size_t a = 0; a < 3; ++a) {
@@ -194,6 +194,12 @@ ReferenceFace ReferenceCut::face(const Vec3& index, std::size_t number) const {
     nearest[a] = static_cast<std::int64_t>(std::floor(inside[a] + 0.5));
   }
   std::optional<StructureIndex> s = structure_at(nearest, outlined);
+  std::map<std::optional<StructureIndex>, double> shares;
+  for_each_corner(
+      index, [&](const Index3& corner, double weight) { shares[structure_at(corner, outlined)] += weight; });
+  for (const auto& [structure, share] : shares) {
+    if (share > shares[s] + kTie) s = structure;
+  }
   const auto solid = solid_at(inside, plane, outlined);
   const bool is_enclosed = solid && (!s || hides(*solid, *s));
   if (is_enclosed) s = solid;

@@ -10,7 +10,7 @@
 namespace splatlas {
 namespace {
 
-/// Decides between two voxels at the same distance.
+/// Decides between two voxels at the same distance, and between equal shares.
 constexpr double kTie = 1e-6;
 /// Slack of the layers of a column for rounding.
 constexpr double kRounding = 1e-6;
@@ -158,6 +158,31 @@ void FaceMap::add_solids(const VoxelPlane& plane, const FaceScene& scene, Thread
   for (std::uint32_t n = 0; n < solids_.size(); ++n) outlined[solids_[n].structure] = outlines_.is_closed(n);
   apart_ = std::make_shared<const std::vector<FaceClass>>(
       face_classes(scene.atlas.classes(), scene.selection, scene.plan, outlined));
+}
+
+const FaceStyle* FaceMap::largest_face(const Corners& corners, const Texel& nearest) const {
+  struct Share {
+    const FaceStyle* face;
+    float weight;
+  };
+  std::array<Share, 8> shares{};
+  std::size_t count = 0;
+  const auto share_of = [&](const FaceStyle* face) -> Share& {
+    const auto is_same = [face](const Share& share) {
+      return (share.face == nullptr) == (face == nullptr) &&
+             (face == nullptr || share.face->structure == face->structure);
+    };
+    Share* const end = shares.data() + count;
+    Share* const found = std::find_if(shares.data(), end, is_same);
+    if (found == end) shares[count++] = {face, 0};
+    return *found;
+  };
+  Share* largest = &share_of(own_face(nearest));
+  for (std::size_t n = 0; n < 8; ++n) share_of(own_face(corners.texels[n])).weight += corners.weights[n];
+  for (std::size_t n = 1; n < count; ++n) {
+    if (shares[n].weight > largest->weight + kTie) largest = &shares[n];
+  }
+  return largest->face;
 }
 
 Result<FaceMap> FaceMap::build(const VoxelPlane& plane, const FaceScene& scene, ThreadPool& pool) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -39,7 +40,8 @@ struct FaceSample {
 /// The voxels within two layers of a plane, in columns along the axis nearest to its normal, and the outlines
 /// of solids. A point has the face that hides all others of these:
 ///   - solids whose surfaces enclose it
-///   - the structure of its nearest voxel, except for solids with closed outlines
+///   - the structure with the largest share of the point between its eight voxels, except for solids with
+///     closed outlines
 /// If there is none, but all eight voxels around it have faces, it has the face of the nearest one: smoothed
 /// surfaces leave tiny gaps between three solids. Immutable and thread-safe.
 class FaceMap {
@@ -107,6 +109,17 @@ class FaceMap {
     return b >= low_b() && b < high_b() && c >= low_c() && c < high_c();
   }
   [[nodiscard]] FaceSample at_inside(double b, double c) const;
+  /// The voxels around a point, with their trilinear weights.
+  struct Corners {
+    std::array<Texel, 8> texels;
+    std::array<float, 8> weights;
+  };
+  /// The face of a voxel, apart from solids with outlines; null if it has none.
+  [[nodiscard]] const FaceStyle* own_face(const Texel& texel) const {
+    return (texel.id & kOwnFace) != 0 ? &(*apart_)[texel.class_id()] : nullptr;
+  }
+  /// The face with the largest share of the voxels around a point. Of equal shares, that of the nearest one.
+  [[nodiscard]] const FaceStyle* largest_face(const Corners& corners, const Texel& nearest) const;
   [[nodiscard]] double height(double b, double c) const { return at_origin_ + per_b_ * b + per_c_ * c; }
   [[nodiscard]] std::size_t place(std::int64_t a, std::int64_t b, std::int64_t c) const {
     return static_cast<std::size_t>((((c - first_c_) * columns_ + (b - first_b_)) << layer_bits_) +
@@ -147,22 +160,25 @@ inline FaceSample FaceMap::at_inside(double b, double c) const {
   // Interpolate between those with faces
   const auto a1 = static_cast<float>(in_a), b1 = static_cast<float>(in_b), c1 = static_cast<float>(in_c);
   const float of_column[4] = {(1 - b1) * (1 - c1), b1 * (1 - c1), (1 - b1) * c1, b1 * c1};
+  Corners corners;
   float sum = 0, weights = 0;
   int faces = 0;
-  for (std::size_t n = 0; n < 4; ++n) {
-    const Texel lower = columns[n][low], upper = columns[n][high];
-    const float of_lower = lower.has_face() ? of_column[n] * (1 - a1) : 0;
-    const float of_upper = upper.has_face() ? of_column[n] * a1 : 0;
-    weights += of_lower + of_upper;
-    sum += of_lower * lower.grey + of_upper * upper.grey;
-    faces += (lower.has_face() ? 1 : 0) + (upper.has_face() ? 1 : 0);
+  bool is_mixed = false;
+  for (std::size_t n = 0; n < 8; ++n) {
+    const Texel texel = corners.texels[n] = columns[n / 2][n % 2 == 0 ? low : high];
+    const float weight = corners.weights[n] = of_column[n / 2] * (n % 2 == 0 ? 1 - a1 : a1);
+    is_mixed = is_mixed || texel.id != corners.texels[0].id;
+    if (!texel.has_face()) continue;
+    weights += weight;
+    sum += weight * texel.grey;
+    ++faces;
   }
   if (!(weights > 0)) return {};
 
   // Find the face that hides all others
   const std::int64_t nearest_a = in_a + to_kept_ >= 0.5 ? high : low;
   const Texel nearest = columns[(in_b >= 0.5 ? 1 : 0) + (in_c >= 0.5 ? 2 : 0)][nearest_a];
-  const FaceStyle* style = (nearest.id & kOwnFace) != 0 ? &(*apart_)[nearest.class_id()] : nullptr;
+  const FaceStyle* style = is_mixed ? largest_face(corners, nearest) : own_face(nearest);
   if (!solids_.empty()) {
     if (const std::uint32_t solid = outlines_.at(b, c); solid != SolidOutlines::kNone) {
       if (style == nullptr || solids_[solid].hides(*style)) style = &solids_[solid];
