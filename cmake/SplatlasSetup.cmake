@@ -30,12 +30,9 @@ target_compile_options(splatlas_flags INTERFACE
   $<$<AND:$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>,$<CXX_COMPILER_ID:GNU>>:-Wno-restrict>
   $<$<BOOL:${SPLATLAS_WERROR}>:-Werror>)
 if(SPLATLAS_SANITIZE)
+  add_compile_definitions(SPLATLAS_SANITIZED)
   add_compile_options(-fsanitize=${SPLATLAS_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${SPLATLAS_SANITIZE})
-  # GCC's points-to analysis takes up to two thirds of the time to compile instrumented kernels. It only optimises.
-  add_compile_options($<$<CXX_COMPILER_ID:GNU>:-fno-tree-pta>)
-  # Two instruction sets, emulated vectors and AVX2, instead of five: instrumented kernels take minutes to compile.
-  add_compile_definitions("HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_SSE4|HWY_AVX3|HWY_AVX3_DL)")
 endif()
 
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")

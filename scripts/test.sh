@@ -71,7 +71,7 @@ run_tests_with_threads() {
   GTEST_FILTER='*Thread*:ParallelFor*:TaskControl*:*Cancellation*:Session*:Interrupts*:ClassCache*:OpticalArena*'
   GTEST_FILTER+=':SharedRuns*:ValueCache*:AtlasWriter*:AtlasVerify*:LargeAtlas*:Renderer*:Pick*:Antialiasing*:DepthCue*'
   export GTEST_FILTER
-  run_tests tsan --label-regex '^(format|player)$' --tests-regex 'shard|threads'
+  run_tests tsan --label-regex '^(format|player)$' --tests-regex shard
   unset GTEST_FILTER
 }
 
@@ -97,7 +97,7 @@ elif [[ $form == usual ]]; then
   step "Address and undefined behaviour sanitizers: tests" \
     run_tests asan-ubsan --label-regex '^(format|player|preprocess)$'
   fix_addresses
-  step "Thread sanitizer: build" build tsan format_tests player_tests splatlas-allocation-faults
+  step "Thread sanitizer: build" build tsan format_tests player_tests
   step "Thread sanitizer: tests" run_tests_with_threads
   step "Fuzzing" env FUZZ_JOBS=$((2 * $(nproc))) scripts/fuzz.sh 15
 else

@@ -39,6 +39,7 @@ struct WebScene {
   const char* kind;
   BenchScene scene;
   NamedQuality quality;
+  CameraProjection projection = CameraProjection::kParallel;
   std::vector<Elapsed> native = {}, web = {};  ///< [view], then the next round
 };
 
@@ -47,11 +48,15 @@ std::vector<WebScene> web_scenes() {
   for (const BenchScene& scene : kVolumes) scenes.push_back({"volume_draft", scene, kQualities[0]});
   for (const BenchScene& scene : kVolumes) scenes.push_back({"volume_normal", scene, kQualities[1]});
   for (const BenchScene& scene : kSurfaces) scenes.push_back({"surface_draft", scene, kQualities[0]});
+  for (const BenchScene& scene : kVolumes)
+    scenes.push_back({"perspective_draft", scene, kQualities[0], CameraProjection::kPerspective});
   return scenes;
 }
 
-Camera view(int n) {
-  return turned(oblique_camera(), n, kViews);
+Camera view(const WebScene& scene, int n) {
+  Camera camera = turned(oblique_camera(), n, kViews);
+  camera.projection = scene.projection;
+  return camera;
 }
 
 Result<void> draw_natively(const std::shared_ptr<const Atlas>& atlas, std::vector<WebScene>& scenes) {
@@ -63,8 +68,8 @@ Result<void> draw_natively(const std::shared_ptr<const Atlas>& atlas, std::vecto
     Frame frame;
     for (int n = 0; n < 2 * kViews; ++n) {  // the first turn builds what later frames share
       Stopwatch watch;
-      SPLATLAS_RETURN_IF_ERROR(
-          renderer.render(view(n % kViews), {.size = kWebSize, .quality = scene.quality.quality}, frame));
+      SPLATLAS_RETURN_IF_ERROR(renderer.render(view(scene, n % kViews),
+                                               {.size = kWebSize, .quality = scene.quality.quality}, frame));
       if (n >= kViews) scene.native.push_back(watch.lap());
     }
   }
@@ -76,8 +81,13 @@ Result<void> draw_by_module(const fs::path& module, const fs::path& atlas, const
   Json frames{{"size", {kWebSize.width, kWebSize.height}}, {"scenes", Json::array()}};
   for (const WebScene& scene : scenes) {
     Json cameras = Json::array();
-    for (int n = 0; n < kViews; ++n)
-      cameras.push_back({{"azimuth", view(n).azimuth_deg}, {"elevation", view(n).elevation_deg}});
+    for (int n = 0; n < kViews; ++n) {
+      const Camera camera = view(scene, n);
+      const bool is_parallel = camera.projection == CameraProjection::kParallel;
+      cameras.push_back({{"azimuth", camera.azimuth_deg},
+                         {"elevation", camera.elevation_deg},
+                         {"projection", is_parallel ? "parallel" : "perspective"}});
+    }
     frames["scenes"].push_back(
         {{"select", scene.scene.selection}, {"quality", scene.quality.name}, {"cameras", cameras}});
   }

@@ -55,7 +55,7 @@ class PreprocessInterrupt : public testing::Test {
     const auto usual_time = std::chrono::steady_clock::now() - start;
     std::filesystem::remove_all(folder_.file(output));
 
-    constexpr int kMoments = 12;
+    constexpr int kMoments = 8;
     int interrupted = 0;
     for (int n = 0; n < 2 * kMoments; ++n) {
       const int signal = kSignals[static_cast<std::size_t>(n) % kSignals.size()];

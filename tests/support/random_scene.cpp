@@ -237,10 +237,15 @@ class SceneMaker {
     for (std::size_t terms = 1 + below(5); terms > 0; --terms) {
       const bool remove = !words.empty() && below(3) == 0;
       if (!words.empty()) words += remove ? " - " : " + ";
-      words += fmt::format("s{}{}", below(structures), kModes[below(kModes.size())]);
+      // One draw a statement: all compilers draw alike
+      const char* const mode = kModes[below(kModes.size())];
+      words += fmt::format("s{}{}", below(structures), mode);
       if (remove || below(3) == 0) continue;
       words += fmt::format("(opacity={:.6f}", below(4) == 0 ? 1 : real(1e-6, 1));
-      if (below(3) == 0) words += fmt::format(",low={:.3f},high={:.3f}", real(-70, 50), real(51, 200));
+      if (below(3) == 0) {
+        const double high = real(51, 200);
+        words += fmt::format(",low={:.3f},high={:.3f}", real(-70, 50), high);
+      }
       if (below(4) == 0) words += below(2) == 0 ? ",profile=thin" : ",profile=hard";
       words += ")";
     }

@@ -59,7 +59,7 @@ class SharedPage {
 };
 
 constexpr bool kSanitized =
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef SPLATLAS_SANITIZED
     true;  // sanitizers map terabytes
 #else
     false;

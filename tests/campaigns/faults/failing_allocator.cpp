@@ -47,7 +47,7 @@ std::int64_t FailingAllocator::live() {
 
 }  // namespace splatlas
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef SPLATLAS_SANITIZED
 
 namespace {
 

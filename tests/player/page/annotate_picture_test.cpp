@@ -116,7 +116,7 @@ DiscScene discs_in(const PictureRegion& region, const PictureSize& size, std::si
 
 TEST(AnnotatePicture, FindsRoomBesideTheRegionOfItsFigure) {
   std::size_t labels = 0, structures = 0;
-  for (std::uint32_t seed = 0; seed < repetitions(200); ++seed) {
+  for (std::uint32_t seed = 0; seed < repetitions(80); ++seed) {
     SCOPED_TRACE(seed);
     const PictureSize size{700 + static_cast<int>(seed * 37 % 500), 700 + static_cast<int>(seed * 61 % 500)};
     const AnnotationOptions options{kAllItems, 40, "A caption of several words", "Someone et al. (2004)"};

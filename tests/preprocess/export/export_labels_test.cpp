@@ -52,19 +52,20 @@ struct Label {
 
 TEST(ExportLabels, WritesTheExtremeLabelsOfEachType) {
   const TemporaryFolder folder;
-  for (const auto& [type, label] : {Label{VoxelType::kUInt8, 255},
-                                    {VoxelType::kInt8, -128},
-                                    {VoxelType::kUInt16, 65535},
-                                    {VoxelType::kInt16, -32768},
-                                    {VoxelType::kUInt32, 4294967295},
-                                    {VoxelType::kInt32, -2147483648},
-                                    {VoxelType::kFloat32, 16777216},
-                                    {VoxelType::kFloat64, 4294967295}}) {
-    const auto written = export_label_map(labelled_voxel(type, label), "A", folder.file("labels.nrrd"));
+  for (const Label& extreme : {Label{VoxelType::kUInt8, 255},
+                               {VoxelType::kInt8, -128},
+                               {VoxelType::kUInt16, 65535},
+                               {VoxelType::kInt16, -32768},
+                               {VoxelType::kUInt32, 4294967295},
+                               {VoxelType::kInt32, -2147483648},
+                               {VoxelType::kFloat32, 16777216},
+                               {VoxelType::kFloat64, 4294967295}}) {
+    const auto content = labelled_voxel(extreme.type, extreme.label);
+    const auto written = export_label_map(content, "A", folder.file("labels.nrrd"));
     ASSERT_TRUE(written) << written.error().message;
     const Image back = import_image(folder.file("labels.nrrd")).value();
-    visit_voxel_type(type, [&]<typename T>(T) {
-      EXPECT_EQ(static_cast<std::int64_t>(back.voxels.as<T>()[0]), label) << name_of(type);
+    visit_voxel_type(extreme.type, [&]<typename T>(T) {
+      EXPECT_EQ(static_cast<std::int64_t>(back.voxels.as<T>()[0]), extreme.label) << name_of(extreme.type);
       EXPECT_EQ(back.voxels.as<T>()[1], T{0});
     });
   }

@@ -1,5 +1,5 @@
 // Scalar reference kernel of ray marching: the kernel compiled for one lane, without instruction sets.
-#undef HWY_COMPILE_ONLY_STATIC  // of preset fuzz
+#undef HWY_COMPILE_ONLY_STATIC  // of sanitizer presets
 #define HWY_COMPILE_ONLY_SCALAR
 #include <hwy/highway.h>
 

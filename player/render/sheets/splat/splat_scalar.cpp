@@ -1,5 +1,5 @@
 // Scalar reference of the splat kernels: the kernels on plain arrays, without instruction sets.
-#undef HWY_COMPILE_ONLY_STATIC  // of preset fuzz
+#undef HWY_COMPILE_ONLY_STATIC  // of sanitizer presets
 #define HWY_COMPILE_ONLY_SCALAR
 #include <hwy/highway.h>
 

@@ -40,12 +40,12 @@ Picture darkened(const DepthMap& depths, const DepthEdges& edges = kEdges, unsig
 }
 
 TEST(DepthEdges, APlaneStaysAsItIsAtAnySlantUpToItsBorder) {
-  for (const auto& [right, down] : {std::pair(0.0, 0.0), {3.0, 0.0}, {-7.5, 40.0}, {0.01, -0.3}}) {
-    const DepthMap whole = map_of([&](int x, int y) { return 100 + right * x + down * y; });
+  for (const auto& slant : {std::pair(0.0, 0.0), {3.0, 0.0}, {-7.5, 40.0}, {0.01, -0.3}}) {
+    const auto plane = [&](int x, int y) { return 100 + slant.first * x + slant.second * y; };
+    const DepthMap whole = map_of(plane);
     EXPECT_EQ(darkened(whole).rgba, grey_picture().rgba);
-    const DepthMap part = map_of([&](int x, int y) {
-      return x > 20 && x + y < 70 ? 100 + right * x + down * y : double{DepthMap::kBackground};
-    });
+    const DepthMap part = map_of(
+        [&](int x, int y) { return x > 20 && x + y < 70 ? plane(x, y) : double{DepthMap::kBackground}; });
     EXPECT_EQ(darkened(part).rgba, grey_picture().rgba);
   }
 }

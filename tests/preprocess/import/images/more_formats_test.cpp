@@ -299,7 +299,8 @@ std::string tiff_of(const std::vector<std::vector<T>>& pages) {
     const auto strip = static_cast<std::uint32_t>(bytes.size());
     bytes += pixels_of(page);
     bytes.resize((bytes.size() + 1) / 2 * 2);
-    bytes = with_number(std::move(bytes), link, static_cast<std::uint32_t>(bytes.size()));
+    const auto directory_at = static_cast<std::uint32_t>(bytes.size());
+    bytes = with_number(std::move(bytes), link, directory_at);
     const std::array<std::pair<std::uint16_t, std::uint32_t>, 8> fields{{{256, 3},
                                                                          {257, 2},
                                                                          {258, 8 * sizeof(T)},
