@@ -18,7 +18,7 @@ check() {
   fi
 }
 
-check product 60480 format preprocess player schemas
+check product 60450 format preprocess player schemas
 check tests 48960 tests
-check bench 8490 bench
+check bench 8500 bench
 exit "$bad"
