@@ -65,9 +65,10 @@ cmake --preset release -B build/tidy -DSPLATLAS_UNITY=OFF --log-level=NOTICE --n
 cmake --build build/tidy --target splatlas_schema_header >/dev/null
 echo "${#sources[@]} sources, $(nproc) at a time"
 # Prints one line per finding. "N warnings generated" counts warnings in headers of libraries.
-# Clang accepts ITK's headers only after the header that is included first.
+# Clang accepts ITK's headers only after the header that is included first, and lacks a flag of the kernels.
 printf '%s\n' "${sources[@]}" |
   xargs -P "$(nproc)" -n 1 sh -c '
-    out=$(clang-tidy --quiet -p build/tidy --extra-arg=-include --extra-arg="$PWD/cmake/itk_with_clang.h" "$0" 2>&1) || { printf "%s\n" "$out"; exit 1; }' ||
+    out=$(clang-tidy --quiet -p build/tidy --extra-arg=-include --extra-arg="$PWD/cmake/itk_with_clang.h" \
+      --extra-arg=-Wno-ignored-optimization-argument "$0" 2>&1) || { printf "%s\n" "$out"; exit 1; }' ||
   { echo "check_tidy: see the findings above" >&2; exit 1; }
 echo "clang-tidy finds nothing."
