@@ -22,13 +22,13 @@ struct WriteOptions {
 
 /// Encodes an atlas in memory. Refuses inconsistent content (sizes, class ids, counts, indices).
 /// Deterministic: the same content and options give the same bytes on every machine and with any number of
-/// threads.
-[[nodiscard]] Result<std::vector<std::byte>> encode_atlas(const AtlasContent& content,
+/// threads. Frees the arrays of `content` as it goes: move it in to save their memory.
+[[nodiscard]] Result<std::vector<std::byte>> encode_atlas(AtlasContent content,
                                                           const WriteOptions& options = {});
 
 /// Encodes an atlas and replaces `path` atomically: writes a temporary file in its folder, syncs and renames
 /// it. On failure `path` keeps its old content and the temporary file is removed.
-[[nodiscard]] Result<void> write_atlas(const AtlasContent& content, const std::filesystem::path& path,
+[[nodiscard]] Result<void> write_atlas(AtlasContent content, const std::filesystem::path& path,
                                        const WriteOptions& options = {});
 
 }  // namespace splatlas

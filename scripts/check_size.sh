@@ -18,7 +18,7 @@ check() {
   fi
 }
 
-check product 60450 format preprocess player schemas
-check tests 48960 tests
+check product 60540 format preprocess player schemas
+check tests 48980 tests
 check bench 8500 bench
 exit "$bad"

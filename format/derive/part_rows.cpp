@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "format/tasks/free_memory.h"
 #include "format/tasks/task_control.h"
 
 namespace splatlas {
@@ -32,7 +33,7 @@ void PartRows::sort() {
     }
     runs_.push_back(placed_[n].run);
   }
-  placed_ = {};
+  free_memory(placed_);
 }
 
 std::span<const PartRun> PartRows::row(std::int64_t j, std::int64_t k) const {

@@ -97,6 +97,17 @@ VoxelSetFingerprint RunFingerprinter::of(std::span<const Run> runs, Axis axis) c
   return multiply(sum, along.series_factor());
 }
 
+std::vector<VoxelSetFingerprint> RunFingerprinter::of_classes(const RunModel& model) const {
+  std::vector<VoxelSetFingerprint> fingerprints(model.classes.size());
+  VoxelSetFingerprint rest = of_grid();
+  for (ClassId c = 1; c < fingerprints.size(); ++c) {
+    fingerprints[c] = of(model.classes[c], model.axis);
+    rest = subtract_fingerprints(rest, fingerprints[c]);
+  }
+  fingerprints[kEmptyClass] = rest;
+  return fingerprints;
+}
+
 VoxelSetFingerprint RunFingerprinter::of_grid() const {
   std::uint64_t product = 1;
   for (std::size_t a = 0; a < 3; ++a) {

@@ -30,6 +30,8 @@ class RunFingerprinter {
   explicit RunFingerprinter(const Index3& size);
   /// Fingerprint of valid runs (see validate_runs()) of principal axis `axis`.
   [[nodiscard]] VoxelSetFingerprint of(std::span<const Run> runs, Axis axis) const;
+  /// [class]; the empty class has all voxels that no other class has.
+  [[nodiscard]] std::vector<VoxelSetFingerprint> of_classes(const RunModel& model) const;
   /// Fingerprint of all voxels of the grid.
   [[nodiscard]] VoxelSetFingerprint of_grid() const;
 

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "format/tasks/free_memory.h"
 #include "format/tasks/task_control.h"
 
 namespace splatlas {
@@ -51,7 +52,7 @@ struct Scratch {
   }
   void shrink() {
     visit([](auto& array) {
-      if (array.size() > kMaxKeptVertices) array = {};
+      if (array.size() > kMaxKeptVertices) free_memory(array);
     });
   }
 

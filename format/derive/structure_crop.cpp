@@ -41,18 +41,11 @@ std::vector<std::uint8_t> parts_of(std::span<const StructureClass> members, std:
   return parts;
 }
 
-StructureCrop crop_structure(std::span<const ClassId> volume, const Index3& size, const IndexBox& box,
-                             std::span<const std::uint8_t> parts) {
+StructureCrop crop_structure(const RunModel& runs, std::int64_t rows, const IndexBox& box,
+                             std::span<const StructureClass> members) {
   StructureCrop crop = empty_crop(box);
-  for (std::int64_t k = box.first[2]; k <= box.last[2]; ++k) {
-    for (std::int64_t j = box.first[1]; j <= box.last[1]; ++j) {
-      const ClassId* const from =
-          &volume[static_cast<std::size_t>((k * size[1] + j) * size[0] + box.first[0])];
-      std::uint8_t* const to = &crop.parts[crop.offset(1, j - crop.first[1], k - crop.first[2])];
-      const std::int64_t count = box.last[0] - box.first[0] + 1;
-      for (std::int64_t i = 0; i < count; ++i) to[i] = parts[from[i]];
-    }
-  }
+  for (const StructureClass& h : members)
+    paint_runs(runs.classes[h.id], rows, StructureCrop::part_of(h.part), crop);
   return crop;
 }
 

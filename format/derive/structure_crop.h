@@ -61,26 +61,31 @@ struct StructureCrop {
   return box;
 }
 
-/// Calls visit(i, j, grid offset) for the structure's voxels in slice k of the crop of a whole structure. i
-/// and j are crop indices.
-template <typename Visit>
-void for_each_voxel(const StructureCrop& crop, std::int64_t k, const Grid& grid, const Visit& visit) {
-  for (std::int64_t j = 1; j + 1 < crop.size[1]; ++j) {
-    for (std::int64_t i = 1; i + 1 < crop.size[0]; ++i) {
-      if (crop.parts[crop.offset(i, j, k)] == StructureCrop::kOutside) continue;
-      visit(i, j,
-            static_cast<std::size_t>(grid.offset(i + crop.first[0], j + crop.first[1], k + crop.first[2])));
-    }
-  }
-}
-
 /// [class]: its part of the structure with classes `members`, for `classes` classes.
 [[nodiscard]] std::vector<std::uint8_t> parts_of(std::span<const StructureClass> members,
                                                  std::size_t classes);
 
-/// Crops the class volume to `box`, which must not be empty, padded by one voxel. `parts` is from parts_of().
-[[nodiscard]] StructureCrop crop_structure(std::span<const ClassId> volume, const Index3& size,
-                                           const IndexBox& box, std::span<const std::uint8_t> parts);
+/// Runs of a class along z that are still to be visited, slice by slice of a crop of their structure.
+struct RunsBySlice {
+  ClassId id = kEmptyClass;
+  std::span<const Run> left;
+
+  /// Calls visit(i, j), in indices of the crop, for the voxels in its slice k. Slices come in order. `rows`
+  /// are those of a slice of the grid.
+  template <typename Visit>
+  void visit_slice(std::int64_t k, const StructureCrop& crop, std::int64_t rows, const Visit& visit) {
+    for (; !left.empty(); left = left.subspan(1)) {
+      const auto scanline = static_cast<std::int64_t>(left.front().scanline);
+      if (scanline / rows != k + crop.first[2]) return;
+      const std::int64_t i = left.front().start - crop.first[0], j = scanline % rows - crop.first[1];
+      for (std::int64_t n = 0; n < left.front().length; ++n) visit(i + n, j);
+    }
+  }
+};
+
+/// The crop of a structure with voxels in `box`, from the runs of its classes `members` along z.
+[[nodiscard]] StructureCrop crop_structure(const RunModel& runs, std::int64_t rows, const IndexBox& box,
+                                           std::span<const StructureClass> members);
 
 /// A crop of `box`, padded by one voxel, with all voxels outside. Fill it with paint_runs().
 [[nodiscard]] StructureCrop empty_crop(const IndexBox& box);

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <limits>
 #include <new>
+#include <numeric>
 #include <utility>
 
 #include "format/codec/chunk_codec.h"
@@ -20,6 +21,7 @@
 #include "format/io/memory_limit.h"
 #include "format/io/output_file.h"
 #include "format/result_macros.h"
+#include "format/tasks/free_memory.h"
 #include "format/tasks/parallel.h"
 
 namespace splatlas {
@@ -37,10 +39,11 @@ constexpr double kGathering = 0.3;
 /// Decoded bytes of a section: its streams, concatenated.
 using SectionBytes = std::vector<std::byte>;
 
-/// Encodes section by section: gathers the streams, divides them into chunks and compresses these.
+/// Encodes section by section: gathers the streams, divides them into chunks and compresses these. Frees the
+/// arrays of the content as it goes.
 class AtlasEncoder {
  public:
-  AtlasEncoder(const AtlasContent& content, const WriteOptions& options);
+  AtlasEncoder(AtlasContent content, const WriteOptions& options);
   [[nodiscard]] Result<std::vector<std::byte>> encode();
 
  private:
@@ -48,21 +51,23 @@ class AtlasEncoder {
   [[nodiscard]] Result<SectionBytes> gather_runs(Axis axis);
   void append_runs(const ClassRuns& runs, const IndexBox& box, Axis axis, SectionBytes& bytes) const;
   [[nodiscard]] ClassRuns joined_runs(const RunStreams& streams, const RunModel& model, ClassId c) const;
+  void encode_group(const ValueGroups& groups, std::size_t group, std::span<std::byte> code) const;
   [[nodiscard]] SectionBytes gather_values() const;
   [[nodiscard]] SectionBytes gather_normals() const;
   [[nodiscard]] Result<SectionBytes> gather_surfaces();
   void leave_out_fitted_parts();
   void count_runs();
+  void free_arrays_of(SectionKind done);
   void add_section(SectionKind kind, const SectionBytes& decoded);
-  [[nodiscard]] Result<std::vector<std::byte>> assemble() const;
+  [[nodiscard]] Result<std::vector<std::byte>> assemble();
   void report(double fraction_of_section) const;
 
-  const AtlasContent& content_;
+  AtlasContent content_;
   const WriteOptions& options_;
   const Index3 size_;
   Directory directory_;
   std::vector<FittedSurface> fitted_surfaces_;  // [structure]
-  RunModel z_runs_;                             // for the values, which are encoded later
+  RunModel z_runs_;
   std::vector<std::vector<std::byte>> chunks_;  // stored bytes, in file order
   double work_before_ = 0, work_now_ = 0, work_ = 0;
 };
@@ -110,29 +115,41 @@ double work_of(SectionKind kind, const AtlasContent& content) {
   return 8 * triangles;
 }
 
-AtlasEncoder::AtlasEncoder(const AtlasContent& content, const WriteOptions& options)
-    : content_(content),
+AtlasEncoder::AtlasEncoder(AtlasContent content, const WriteOptions& options)
+    : content_(std::move(content)),
       options_(options),
-      size_(storage_grid(content).size),
-      directory_(describe(content)) {}
+      size_(storage_grid(content_).size),
+      directory_(describe(content_)) {}
 
 Result<std::vector<std::byte>> AtlasEncoder::encode() {
   const std::vector<SectionKind> kinds = sections_of(content_, options_);
+  z_runs_ = encode_runs(content_.class_volume, size_, Axis::kZ, content_.classes.size());
   leave_out_fitted_parts();
-  for (const SectionKind kind : kinds) work_ += work_of(kind, content_);
-  for (const SectionKind kind : kinds) {
-    work_now_ = work_of(kind, content_);
+  std::vector<double> works;
+  for (const SectionKind kind : kinds) works.push_back(work_of(kind, content_));
+  work_ = std::accumulate(works.begin(), works.end(), 0.0);
+  for (std::size_t n = 0; n < kinds.size(); ++n) {
+    work_now_ = works[n];
     report(0);
-    SPLATLAS_ASSIGN_OR_RETURN(const SectionBytes decoded, gather(kind));
-    add_section(kind, decoded);
+    SPLATLAS_ASSIGN_OR_RETURN(const SectionBytes decoded, gather(kinds[n]));
+    free_arrays_of(kinds[n]);
+    add_section(kinds[n], decoded);
     work_before_ += work_now_;
   }
-  if (options_.compact) count_runs();
   SPLATLAS_RETURN_IF_ERROR(validate(directory_));
   auto file = assemble();
   work_now_ = 0;
   report(1);
   return file;
+}
+
+/// Frees what no later section needs.
+void AtlasEncoder::free_arrays_of(SectionKind done) {
+  if (done == SectionKind::kRunsZ) free_memory(content_.class_volume);
+  if (done == SectionKind::kNormals) free_memory(content_.boundary_normals);
+  if (done != SectionKind::kValues) return;
+  free_memory(content_.values.bytes);
+  free_memory(z_runs_.classes);
 }
 
 Result<SectionBytes> AtlasEncoder::gather(SectionKind kind) {
@@ -175,21 +192,10 @@ void AtlasEncoder::append_runs(const ClassRuns& runs, const IndexBox& box, Axis 
   bytes.insert(bytes.end(), list.begin(), list.end());
 }
 
-/// [class]; the empty class has all voxels that no other class has.
-std::vector<VoxelSetFingerprint> fingerprints_of(const RunModel& model, const Index3& size) {
-  const RunFingerprinter fingerprinter(size);
-  std::vector<VoxelSetFingerprint> fingerprints(model.classes.size());
-  VoxelSetFingerprint rest = fingerprinter.of_grid();
-  for (ClassId c = 1; c < fingerprints.size(); ++c) {
-    fingerprints[c] = fingerprinter.of(model.classes[c], model.axis);
-    rest = subtract_fingerprints(rest, fingerprints[c]);
-  }
-  fingerprints[kEmptyClass] = rest;
-  return fingerprints;
-}
-
 Result<SectionBytes> AtlasEncoder::gather_runs(Axis axis) {
-  RunModel model = encode_runs(content_.class_volume, size_, axis, content_.classes.size());
+  RunModel encoded;
+  if (axis != Axis::kZ) encoded = encode_runs(content_.class_volume, size_, axis, content_.classes.size());
+  const RunModel& model = axis != Axis::kZ ? encoded : z_runs_;
   const auto a = static_cast<std::size_t>(axis);
   directory_.run_totals[a] = model.runs();
   const RunStreams streams(content_.classes);
@@ -213,8 +219,8 @@ Result<SectionBytes> AtlasEncoder::gather_runs(Axis axis) {
     directory_.run_bytes[c][a] = static_cast<std::uint32_t>(bytes.size() - begin);
   }
   if (axis == Axis::kZ) {
-    z_runs_ = std::move(model);
-    directory_.fingerprints = fingerprints_of(z_runs_, size_);
+    directory_.fingerprints = RunFingerprinter(size_).of_classes(z_runs_);
+    if (options_.compact) count_runs();
   }
   return bytes;
 }
@@ -227,47 +233,42 @@ void AtlasEncoder::count_runs() {
   }
 }
 
-/// Concatenates the values of spans.
-std::vector<std::byte> pick_values(const VoxelBuffer& values, std::span<const ClassSpan> spans,
-                                   std::int64_t width) {
-  const std::size_t value_bytes = bytes_of(values.type);
-  std::vector<std::byte> picked;
+void AtlasEncoder::encode_group(const ValueGroups& groups, std::size_t group,
+                                std::span<std::byte> code) const {
+  std::vector<ClassRuns> runs;
+  for (const ClassId c : groups.locating_classes(group)) runs.push_back(z_runs_.classes[c]);
+  const std::vector<ClassSpan> spans = group_spans(groups, group, runs, size_);
+  const GroupVoxels voxels{spans, group_voxels(groups, content_.classes, group),
+                           group_box(groups, content_.classes, group, size_), size_[1]};
+  std::vector<std::byte> values;
+  const std::size_t value_bytes = bytes_of(content_.values.type);
   for (const ClassSpan& span : spans) {
-    const std::uint64_t first = span.run.scanline * static_cast<std::uint64_t>(width) + span.run.start;
-    const std::byte* const from = values.bytes.data() + first * value_bytes;
-    picked.insert(picked.end(), from, from + span.run.length * value_bytes);
+    const std::uint64_t first = span.run.scanline * static_cast<std::uint64_t>(size_[0]) + span.run.start;
+    const std::byte* const from = content_.values.bytes.data() + first * value_bytes;
+    values.insert(values.end(), from, from + span.run.length * value_bytes);
   }
-  return picked;
+  std::ranges::copy(encode_values(voxels, content_.values.type, values), code.begin());
 }
 
 SectionBytes AtlasEncoder::gather_values() const {
   const ValueGroups groups(content_.classes);
-  std::vector<std::vector<std::byte>> codes(groups.size());
+  const std::vector<std::uint64_t> begins = begins_of(stream_sizes(directory_, SectionKind::kValues));
+  SectionBytes bytes(begins.back());
   parallel_for(
       groups.size(), options_.threads,
       [&](std::size_t g) {
-        std::vector<ClassRuns> runs;
-        for (const ClassId c : groups.locating_classes(g)) runs.push_back(z_runs_.classes[c]);
-        const std::vector<ClassSpan> spans = group_spans(groups, g, runs, size_);
-        const GroupVoxels voxels{spans, group_voxels(groups, content_.classes, g),
-                                 group_box(groups, content_.classes, g, size_), size_[1]};
-        codes[g] = encode_values(voxels, content_.values.type, pick_values(content_.values, spans, size_[0]));
+        encode_group(groups, g, std::span(bytes).subspan(begins[g], begins[g + 1] - begins[g]));
       },
       [&](std::size_t done) {
         report(kGathering * static_cast<double>(done) / static_cast<double>(groups.size()));
       });
-  SectionBytes bytes;
-  for (std::vector<std::byte>& code : codes) {
-    bytes.insert(bytes.end(), code.begin(), code.end());
-    code = {};
-  }
   return bytes;
 }
 
 /// Marks surfaces and normals that readers can fit. Outside compact files, normals are fitted only if that
 /// needs no voxels of other classes.
 void AtlasEncoder::leave_out_fitted_parts() {
-  const FittedParts fitted = find_fitted_parts(content_, options_.threads);
+  const FittedParts fitted = find_fitted_parts(content_, z_runs_, options_.threads);
   fitted_surfaces_ = fitted.surfaces;
   const ClassTable& classes = content_.classes;
   const std::size_t structures = content_.graph.size();
@@ -342,7 +343,7 @@ void AtlasEncoder::add_section(SectionKind kind, const SectionBytes& decoded) {
       });
 }
 
-Result<std::vector<std::byte>> AtlasEncoder::assemble() const {
+Result<std::vector<std::byte>> AtlasEncoder::assemble() {
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> directory, encode_directory(directory_));
   if (directory.size() > kMaxDirectoryBytes) {
     return fail(ErrorCode::kFailed, "the directory takes {} bytes (limit {})", directory.size(),
@@ -355,6 +356,7 @@ Result<std::vector<std::byte>> AtlasEncoder::assemble() const {
   std::ranges::copy(directory, file.begin() + sizeof header);
   for (std::size_t n = 0; n < chunks_.size(); ++n) {
     std::ranges::copy(chunks_[n], file.begin() + static_cast<std::ptrdiff_t>(layout.chunk_offset[n]));
+    free_memory(chunks_[n]);
   }
   return file;
 }
@@ -366,13 +368,14 @@ void AtlasEncoder::report(double fraction_of_section) const {
 
 }  // namespace
 
-Result<std::vector<std::byte>> encode_atlas(const AtlasContent& content, const WriteOptions& options) {
+Result<std::vector<std::byte>> encode_atlas(AtlasContent content, const WriteOptions& options) {
   if (options.level < 1 || options.level > 22) {
     return fail(ErrorCode::kUsage, "compression level {} is not between 1 and 22", options.level);
   }
   try {
     Result<void> checked = check_content(content);
-    auto file = checked ? AtlasEncoder(content, options).encode() : tl::unexpected(checked.error());
+    auto file =
+        checked ? AtlasEncoder(std::move(content), options).encode() : tl::unexpected(checked.error());
     if (!file) return fail(ErrorCode::kFailed, "cannot write this atlas: " + file.error().message);
     return file;
   } catch (const std::bad_alloc&) {
@@ -380,9 +383,9 @@ Result<std::vector<std::byte>> encode_atlas(const AtlasContent& content, const W
   }
 }
 
-Result<void> write_atlas(const AtlasContent& content, const std::filesystem::path& path,
+Result<void> write_atlas(AtlasContent content, const std::filesystem::path& path,
                          const WriteOptions& options) {
-  auto file = encode_atlas(content, options);
+  auto file = encode_atlas(std::move(content), options);
   if (!file) return fail(file.error().code, path.string() + ": " + file.error().message);
   return write_file(path, *file);
 }

@@ -105,13 +105,13 @@ std::optional<SurfaceRule> rule_of(const SurfaceMesh& mesh, const Index3& size) 
 /// Compares fitted surfaces and normals with those of the content.
 class FitComparer {
  public:
-  explicit FitComparer(const AtlasContent& content)
+  FitComparer(const AtlasContent& content, const RunModel& runs)
       : content_(content),
+        runs_(runs),
         grid_(storage_grid(content)),
         voxel_normals_(grid_),
         structure_classes_(content.classes, content.graph.size()),
         owners_(normal_owners(content.classes)),
-        next_normal_(content.classes.size(), 0),
         normals_differ_(content.classes.size(), 0) {}
 
   /// Compares the surface, and the normals of the classes owned by s. Threads may process different
@@ -129,10 +129,13 @@ class FitComparer {
       }
     }
     if (!fits || (!rule && std::ranges::none_of(members, is_owned))) return {};
-    const std::vector<std::uint8_t> parts = parts_of(members, owners_.size());
-    const StructureCrop crop = crop_structure(content_.class_volume, grid_.size, box, parts);
+    const StructureCrop crop = crop_structure(runs_, grid_.size[1], box, members);
+    std::vector<ClassNormals> owned;
+    for (const StructureClass& h : members) {
+      if (is_owned(h)) owned.push_back({{h.id, runs_.classes[h.id]}, content_.boundary_normals[h.id]});
+    }
     const auto visit = [&](const SmoothGradient& gradient, std::int64_t k) {
-      compare_normals(s, crop, gradient, k);
+      for (ClassNormals& normals : owned) compare_normals(normals, crop, gradient, k);
     };
     const SurfaceMesh mesh = fit_surface(crop, grid_, rule.value_or(SurfaceRule::kVoxels), visit);
     if (mesh != content_.surfaces[s]) return {};
@@ -145,22 +148,26 @@ class FitComparer {
   }
 
  private:
-  void compare_normals(StructureIndex s, const StructureCrop& crop, const SmoothGradient& gradient,
+  struct ClassNormals {
+    RunsBySlice runs;
+    std::span<const PackedNormal> left;  // of the voxels of `runs`
+  };
+
+  void compare_normals(ClassNormals& normals, const StructureCrop& crop, const SmoothGradient& gradient,
                        std::int64_t k) {
-    for_each_voxel(crop, k, grid_, [&](std::int64_t i, std::int64_t j, std::size_t voxel) {
-      const ClassId c = content_.class_volume[voxel];
-      if (owners_[c] != s || normals_differ_[c] != 0) return;
-      const PackedNormal stored = content_.boundary_normals[c][next_normal_[c]++];
-      if (voxel_normals_.normal(gradient.at(i, j)) != stored) normals_differ_[c] = 1;
+    normals.runs.visit_slice(k, crop, grid_.size[1], [&](std::int64_t i, std::int64_t j) {
+      if (voxel_normals_.normal(gradient.at(i, j)) != normals.left.front())
+        normals_differ_[normals.runs.id] = 1;
+      normals.left = normals.left.subspan(1);
     });
   }
 
   const AtlasContent& content_;
+  const RunModel& runs_;
   const Grid grid_;
   const VoxelNormals voxel_normals_;
   const StructureClasses structure_classes_;
   std::vector<StructureIndex> owners_;        // [class]
-  std::vector<std::size_t> next_normal_;      // [class], as slices come in memory order
   std::vector<std::uint8_t> normals_differ_;  // [class]; bytes, for concurrent writes
 };
 
@@ -174,8 +181,8 @@ std::uint64_t crop_voxels(const IndexBox& box) {
   return voxels;
 }
 
-FittedParts find_fitted_parts(const AtlasContent& content, unsigned threads) {
-  FitComparer comparer(content);
+FittedParts find_fitted_parts(const AtlasContent& content, const RunModel& runs, unsigned threads) {
+  FitComparer comparer(content, runs);
   FittedParts parts;
   parts.surfaces.resize(content.graph.size());
   parallel_for(parts.surfaces.size(), threads, [&](std::size_t s) {

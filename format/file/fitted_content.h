@@ -28,8 +28,9 @@ struct FittedParts {
 };
 
 /// Fits the surfaces and normals that AtlasContent::fitted does not name and compares, on `threads` threads
-/// (0: one per core). Cost: that of extracting all surfaces.
-[[nodiscard]] FittedParts find_fitted_parts(const AtlasContent& content, unsigned threads);
+/// (0: one per core). `runs` are those of the class volume along z. Cost: that of extracting all surfaces.
+[[nodiscard]] FittedParts find_fitted_parts(const AtlasContent& content, const RunModel& runs,
+                                            unsigned threads);
 
 /// [structure]: true if all its voxels belong to the same set of structures. Fitting the normals of such a
 /// class needs no voxels of other groups. Cost: linear in the memberships.

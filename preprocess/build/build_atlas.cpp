@@ -114,10 +114,9 @@ Result<AtlasContent> build_content(SourceModel model, const std::string& labels,
   clock.begin("classify", 0.05);
   model.memberships.renumber(placed.index_of_source);
   Result<Classification> classified =
-      classify_voxels(model.memberships, crossed_voxels(model, placed), placed.graph, threads);
+      classify_voxels(std::move(model.memberships), crossed_voxels(model, placed), placed.graph, threads);
   if (!classified) return fail(classified.error().code, "{}: {}", labels, classified.error().message);
   Classification& classification = *classified;
-  model.memberships = MembershipVolume(Index3{0, 0, 0});
 
   clock.begin("surfaces", 0.25);
   SPLATLAS_ASSIGN_OR_RETURN(ExtractedSurfaces extracted,
@@ -132,7 +131,7 @@ Result<AtlasContent> build_content(SourceModel model, const std::string& labels,
 
   content.graph = std::move(placed.graph);
   content.classes = std::move(classification.classes);
-  content.class_volume = std::move(classification.volume);
+  SPLATLAS_ASSIGN_OR_RETURN(content.class_volume, decode_runs(classification.runs, grid.size));
   content.values = std::move(model.values);
   content.label_type = model.label_type;
   content.surfaces = std::move(extracted.surfaces);
@@ -183,9 +182,10 @@ Result<BuildReport> build_atlas(const BuildOptions& options, Notes& notes) {
 
   clock.begin("write", 0.4);
   const WriteOptions writing{options.level, options.compact, options.threads, update};
-  Result<std::vector<std::byte>> bytes = encode_atlas(content, writing);
+  const std::uint64_t structures = content.graph.size();
+  Result<std::vector<std::byte>> bytes = encode_atlas(std::move(content), writing);
   if (!bytes) return fail(bytes.error().code, "{}: {}", options.output.string(), bytes.error().message);
-  SPLATLAS_ASSIGN_OR_RETURN(BuildReport report, report_on(*bytes, options.output, content.graph.size()));
+  SPLATLAS_ASSIGN_OR_RETURN(BuildReport report, report_on(*bytes, options.output, structures));
   {
     const DeferInterrupts no_half_file;
     SPLATLAS_RETURN_IF_ERROR(write_file(options.output, *bytes));

@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "format/result_macros.h"
+#include "format/tasks/free_memory.h"
 #include "format/tasks/parallel.h"
 
 namespace splatlas {
@@ -59,68 +60,83 @@ constexpr std::array<NeighbourRow, 9> kNeighbourRows{{{0, 0, false},
                                                       {-1, 1, true},
                                                       {1, 1, true}}};
 
-/// Determines the combinations of a band of slices.
+/// Consecutive slices, the unit of parallel work.
+struct Band {
+  std::int64_t first_slice = 0, end_slice = 0;
+  std::vector<SetId> before, after;  ///< sets of the slices next to the band; empty beyond the grid
+  std::vector<Combination> combinations;
+  std::vector<ClassId> class_of;  ///< [combination]
+};
+
+/// Determines the combinations of a band of slices in place: sets become combination numbers of `table`.
 class BandClassifier {
  public:
   explicit BandClassifier(const MembershipVolume& memberships)
       : size_(memberships.size()),
         sets_(memberships.sets()),
-        voxels_(memberships.voxels()),
         disjoint_(memberships.disjoint()),
         differs_(static_cast<std::size_t>(size_[0])) {}
 
-  /// Writes each voxel's combination number (of `table`) to `numbers`.
-  void classify(std::int64_t first_slice, std::int64_t end_slice, std::span<ClassId> numbers) {
-    for (std::int64_t k = first_slice; k < end_slice; ++k) {
-      for (std::int64_t j = 0; j < size_[1]; ++j) classify_row(j, k, numbers);
+  void classify(const Band& band, std::span<SetId> voxels) {
+    const auto plane = static_cast<std::size_t>(size_[0] * size_[1]);
+    std::vector<SetId> before = band.before, own(plane);
+    for (std::int64_t k = band.first_slice; k < band.end_slice; ++k) {
+      const std::span<SetId> slice = voxels.subspan(static_cast<std::size_t>(k) * plane, plane);
+      std::ranges::copy(slice, own.begin());
+      const SetId* const after = k + 1 < band.end_slice ? slice.data() + plane
+                                 : band.after.empty()   ? nullptr
+                                                        : band.after.data();
+      slices_ = {before.empty() ? nullptr : before.data(), own.data(), after};
+      for (std::int64_t j = 0; j < size_[1]; ++j) classify_row(j, slice);
+      before.resize(plane);
+      before.swap(own);
     }
   }
 
   CombinationTable table;
 
  private:
-  void classify_row(std::int64_t j, std::int64_t k, std::span<ClassId> numbers) {
-    find_differences(j, k);
-    const std::size_t start = offset(j, k);
+  void classify_row(std::int64_t j, std::span<SetId> numbers) {
+    find_differences(j);
+    const SetId* const own = row(j, 0);
+    const std::span<SetId> to = numbers.subspan(static_cast<std::size_t>(j * size_[0]), differs_.size());
     for (std::size_t i = 0; i < differs_.size(); ++i) {
-      const SetId set = voxels_[start + i];
-      Combination combination{set, 0, 0};
-      if (differs_[i] != 0 && set != 0) {
-        combination.boundary = disjoint_ ? 1 : boundary_of_each(static_cast<std::int64_t>(i), j, k, set);
-      }
-      numbers[start + i] = table.number(combination);
+      Combination combination{own[i], 0, 0};
+      if (differs_[i] != 0 && own[i] != 0)
+        combination.boundary = disjoint_ ? 1 : boundary_of_each(static_cast<std::int64_t>(i), j, own[i]);
+      to[i] = table.number(combination);
     }
   }
 
   /// Sets differs_[i] != 0 if any of the 18 neighbours is in another set or beyond the grid. The loops
   /// vectorize.
-  void find_differences(std::int64_t j, std::int64_t k) {
-    const SetId* const own = &voxels_[offset(j, k)];
+  void find_differences(std::int64_t j) {
+    const SetId* const own = row(j, 0);
     const std::size_t n = differs_.size();
     std::fill(differs_.begin(), differs_.end(), 0u);
     differs_.front() = differs_.back() = 1;
-    for (const NeighbourRow& row : kNeighbourRows) {
-      if (!inside(j + row.dj, k + row.dk)) {
+    for (const NeighbourRow& neighbour : kNeighbourRows) {
+      const SetId* const other = row(j + neighbour.dj, neighbour.dk);
+      if (other == nullptr) {
         std::fill(differs_.begin(), differs_.end(), 1u);
         return;
       }
-      const SetId* const other = &voxels_[offset(j + row.dj, k + row.dk)];
       SetId* const differs = differs_.data();
       for (std::size_t i = 0; i < n; ++i) differs[i] |= own[i] ^ other[i];
-      if (row.diagonal) continue;
+      if (neighbour.diagonal) continue;
       for (std::size_t i = 1; i < n; ++i) differs[i] |= own[i] ^ other[i - 1];
       for (std::size_t i = 0; i + 1 < n; ++i) differs[i] |= own[i] ^ other[i + 1];
     }
   }
 
   /// Bit n: some neighbour is outside the n-th structure of `set`.
-  std::uint64_t boundary_of_each(std::int64_t i, std::int64_t j, std::int64_t k, SetId set) {
+  std::uint64_t boundary_of_each(std::int64_t i, std::int64_t j, SetId set) {
     std::uint64_t boundary = 0;
-    for (const NeighbourRow& row : kNeighbourRows) {
-      for (std::int64_t di = row.diagonal ? 0 : -1; di <= (row.diagonal ? 0 : 1); ++di) {
-        const bool beyond = !inside(j + row.dj, k + row.dk) || i + di < 0 || i + di >= size_[0];
-        const SetId other =
-            beyond ? 0 : voxels_[offset(j + row.dj, k + row.dk) + static_cast<std::size_t>(i + di)];
+    for (const NeighbourRow& neighbour : kNeighbourRows) {
+      const SetId* const others = row(j + neighbour.dj, neighbour.dk);
+      for (std::int64_t di = neighbour.diagonal ? 0 : -1; di <= (neighbour.diagonal ? 0 : 1); ++di) {
+        const bool beyond = others == nullptr || i + di < 0 || i + di >= size_[0];
+        const SetId other = beyond ? 0 : others[i + di];
         if (other != set) boundary |= missing(set, other);
       }
     }
@@ -140,35 +156,36 @@ class BandClassifier {
     return entry->second;
   }
 
-  [[nodiscard]] bool inside(std::int64_t j, std::int64_t k) const {
-    return j >= 0 && k >= 0 && j < size_[1] && k < size_[2];
-  }
-  [[nodiscard]] std::size_t offset(std::int64_t j, std::int64_t k) const {
-    return static_cast<std::size_t>((k * size_[1] + j) * size_[0]);
+  /// Row j of the slice `dk` slices on. Null beyond the grid.
+  [[nodiscard]] const SetId* row(std::int64_t j, int dk) const {
+    const SetId* const slice = slices_[static_cast<std::size_t>(dk + 1)];
+    return slice == nullptr || j < 0 || j >= size_[1] ? nullptr : slice + j * size_[0];
   }
 
   Index3 size_;
   std::span<const std::vector<StructureIndex>> sets_;
-  std::span<const SetId> voxels_;
   bool disjoint_;
+  std::array<const SetId*, 3> slices_{};  // the slices before, of and after the row
   std::vector<SetId> differs_;
   std::unordered_map<std::uint64_t, std::uint64_t> missing_;
 };
 
-/// Consecutive slices, the unit of parallel work.
-struct Band {
-  std::int64_t first_slice = 0, end_slice = 0;
-  std::vector<Combination> combinations;
-  std::vector<ClassId> class_of;  ///< [combination]
-};
-
-std::vector<Band> cut_into_bands(std::int64_t slices) {
-  constexpr std::int64_t kMaxBands = 32;  // enough for load balancing
-  const std::int64_t count = std::min(slices, kMaxBands);
+std::vector<Band> cut_into_bands(const Index3& size, std::span<const SetId> voxels) {
+  constexpr std::int64_t kMaxBands = 16;  // enough for load balancing
+  const std::int64_t slices = size[2], count = std::min(slices, kMaxBands);
+  const auto copy_of = [&](std::int64_t k) {
+    const auto plane = static_cast<std::size_t>(size[0] * size[1]);
+    if (k < 0 || k >= slices) return std::vector<SetId>{};
+    const auto slice = voxels.subspan(static_cast<std::size_t>(k) * plane, plane);
+    return std::vector<SetId>(slice.begin(), slice.end());
+  };
   std::vector<Band> bands(static_cast<std::size_t>(count));
   for (std::int64_t n = 0; n < count; ++n) {
-    bands[static_cast<std::size_t>(n)].first_slice = slices * n / count;
-    bands[static_cast<std::size_t>(n)].end_slice = slices * (n + 1) / count;
+    Band& band = bands[static_cast<std::size_t>(n)];
+    band.first_slice = slices * n / count;
+    band.end_slice = slices * (n + 1) / count;
+    band.before = copy_of(band.first_slice - 1);
+    band.after = copy_of(band.end_slice);
   }
   return bands;
 }
@@ -177,7 +194,7 @@ std::vector<Band> cut_into_bands(std::int64_t slices) {
 /// Combination::crossing is their index plus 1.
 std::vector<std::vector<StructureIndex>> add_crossings(std::span<const CrossedVoxel> crossed,
                                                        std::int64_t voxels_per_slice,
-                                                       std::vector<Band>& bands, std::span<ClassId> numbers) {
+                                                       std::vector<Band>& bands, std::span<SetId> numbers) {
   std::vector<std::vector<StructureIndex>> crossings;
   std::map<std::vector<StructureIndex>, std::uint32_t> index;
   std::size_t band = 0;
@@ -191,7 +208,7 @@ std::vector<std::vector<StructureIndex>> add_crossings(std::span<const CrossedVo
         index.try_emplace(surfaces, static_cast<std::uint32_t>(crossings.size() + 1));
     if (is_new) crossings.push_back(std::move(surfaces));
     std::vector<Combination>& combinations = bands[band].combinations;
-    ClassId& number = numbers[static_cast<std::size_t>(voxel)];
+    SetId& number = numbers[static_cast<std::size_t>(voxel)];
     Combination combination = combinations[number];
     combination.crossing = crossing->second;
     const auto [entry, unseen] =
@@ -215,8 +232,7 @@ std::vector<Membership> members_of(const Combination& c, std::span<const std::ve
 }
 
 /// True for the combinations of a band that still have voxels after add_crossings().
-std::vector<bool> find_used(const Band& band, std::int64_t voxels_per_slice,
-                            std::span<const ClassId> numbers) {
+std::vector<bool> find_used(const Band& band, std::int64_t voxels_per_slice, std::span<const SetId> numbers) {
   std::vector<bool> used(band.combinations.size(), false);
   const auto first = static_cast<std::size_t>(band.first_slice * voxels_per_slice);
   const auto end = static_cast<std::size_t>(band.end_slice * voxels_per_slice);
@@ -224,34 +240,37 @@ std::vector<bool> find_used(const Band& band, std::int64_t voxels_per_slice,
   return used;
 }
 
-/// Replaces the combination numbers of a band by classes and counts their voxels.
-class BandCounter {
- public:
-  explicit BandCounter(std::size_t classes) : voxels(classes), boxes(classes) {}
+/// The runs of the classes of a band along z, with their voxels and boxes.
+struct BandRuns {
+  explicit BandRuns(std::size_t classes) : runs(classes), voxels(classes), boxes(classes) {}
 
-  void relabel(const Band& band, const Index3& size, std::span<ClassId> volume) {
+  void add(const Band& band, const Index3& size, std::span<const SetId> numbers) {
     for (std::int64_t k = band.first_slice; k < band.end_slice; ++k) {
       for (std::int64_t j = 0; j < size[1]; ++j) {
-        ClassId* const row = &volume[static_cast<std::size_t>((k * size[1] + j) * size[0])];
+        const std::int64_t scanline = k * size[1] + j;
+        const SetId* const row = &numbers[static_cast<std::size_t>(scanline * size[0])];
         for (std::int64_t start = 0, end = 0; start < size[0]; start = end) {
-          const ClassId number = row[start], id = band.class_of[number];
-          for (; end < size[0] && row[end] == number; ++end) row[end] = id;
+          while (end < size[0] && row[end] == row[start]) ++end;
+          const ClassId id = band.class_of[row[start]];
           voxels[id] += static_cast<std::uint64_t>(end - start);
           boxes[id].include(IndexBox{{start, j, k}, {end - 1, j, k}});
+          if (id != kEmptyClass)
+            runs[id].push_back({static_cast<std::uint64_t>(scanline), static_cast<std::uint32_t>(start),
+                                static_cast<std::uint32_t>(end - start)});
         }
       }
     }
   }
 
+  std::vector<ClassRuns> runs;
   std::vector<std::uint64_t> voxels;
   std::vector<IndexBox> boxes;
 };
 
 }  // namespace
 
-Result<Classification> classify_voxels(const MembershipVolume& memberships,
-                                       std::span<const CrossedVoxel> crossed, const StructureGraph& graph,
-                                       unsigned threads) {
+Result<Classification> classify_voxels(MembershipVolume memberships, std::span<const CrossedVoxel> crossed,
+                                       const StructureGraph& graph, unsigned threads) {
   constexpr std::size_t kMaxStructuresPerVoxel = 64;  // bits of Combination::boundary
   for (const auto& set : memberships.sets()) {
     if (set.size() > kMaxStructuresPerVoxel) {
@@ -261,21 +280,22 @@ Result<Classification> classify_voxels(const MembershipVolume& memberships,
     }
   }
   // Number the combinations of all voxels, band by band.
-  const Index3& size = memberships.size();
-  Classification result;
-  result.volume.resize(memberships.voxels().size());
-  std::vector<Band> bands = cut_into_bands(size[2]);
+  const Index3 size = memberships.size();
+  std::vector<SetId> numbers = memberships.take_voxels();
+  std::vector<Band> bands = cut_into_bands(size, numbers);
   parallel_for(bands.size(), threads, [&](std::size_t n) {
     BandClassifier classifier(memberships);
-    classifier.classify(bands[n].first_slice, bands[n].end_slice, result.volume);
+    classifier.classify(bands[n], numbers);
     bands[n].combinations = std::move(classifier.table.combinations);
+    free_memory(bands[n].before);
+    free_memory(bands[n].after);
   });
-  const auto crossings = add_crossings(crossed, size[0] * size[1], bands, result.volume);
+  const auto crossings = add_crossings(crossed, size[0] * size[1], bands, numbers);
 
   // Convert combinations to classes in storage order, independent of bands.
   ClassTable found;
   for (Band& band : bands) {
-    const std::vector<bool> used = find_used(band, size[0] * size[1], result.volume);
+    const std::vector<bool> used = find_used(band, size[0] * size[1], numbers);
     for (std::size_t n = 0; n < used.size(); ++n) {
       const Combination& combination = band.combinations[n];
       band.class_of.push_back(used[n] ? found.intern(members_of(combination, memberships.sets(), crossings))
@@ -285,17 +305,20 @@ Result<Classification> classify_voxels(const MembershipVolume& memberships,
   const std::vector<ClassId> order = storage_order(found, graph);
   std::vector<ClassId> new_number(order.size());
   for (ClassId n = 0; n < order.size(); ++n) new_number[order[n]] = n;
-  result.classes = found.renumbered(order);
-
-  // Write classes to the volume and count voxels.
-  std::vector<BandCounter> counters(bands.size(), BandCounter(order.size()));
+  Classification result{found.renumbered(order), {Axis::kZ, std::vector<ClassRuns>(order.size())}};
+  std::vector<BandRuns> band_runs(bands.size(), BandRuns(order.size()));
   parallel_for(bands.size(), threads, [&](std::size_t n) {
     for (ClassId& id : bands[n].class_of) id = new_number[id];
-    counters[n].relabel(bands[n], size, result.volume);
+    band_runs[n].add(bands[n], size, numbers);
   });
-  for (const BandCounter& counter : counters) {
-    for (ClassId id = 0; id < order.size(); ++id)
-      result.classes.count(id, counter.voxels[id], counter.boxes[id]);
+  free_memory(numbers);
+  for (BandRuns& band : band_runs) {
+    for (ClassId id = 0; id < order.size(); ++id) {
+      result.classes.count(id, band.voxels[id], band.boxes[id]);
+      ClassRuns& all = result.runs.classes[id];
+      all.insert(all.end(), band.runs[id].begin(), band.runs[id].end());
+      free_memory(band.runs[id]);
+    }
   }
   return result;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "format/content/class_table.h"
+#include "format/content/run_model.h"
 #include "preprocess/import/membership_volume.h"
 
 namespace splatlas {
@@ -17,18 +18,19 @@ struct CrossedVoxel {
   friend auto operator<=>(const CrossedVoxel&, const CrossedVoxel&) = default;
 };
 
-/// Class table and class volume.
+/// Class table, and the voxels of every class.
 struct Classification {
-  ClassTable classes;           ///< with counts and boxes, in storage_order()
-  std::vector<ClassId> volume;  ///< class per voxel, i fastest
+  ClassTable classes;  ///< with counts and boxes, in storage_order()
+  RunModel runs;       ///< along z
 };
 
 /// Determines the class of every voxel (WSCG 2004, section 3; see ClassId). A voxel is boundary of a
 /// structure if one of its 18 neighbours (sharing a face or an edge) is outside the structure or beyond the
 /// grid. `memberships` must use the indices of `graph`; `crossed` must be sorted and unique. kLimit if more
-/// than 64 structures contain one voxel. Cost: two passes with 18 vectorized comparisons per voxel. The
-/// result does not depend on `threads` (0: one per core).
-[[nodiscard]] Result<Classification> classify_voxels(const MembershipVolume& memberships,
+/// than 64 structures contain one voxel. Cost: two passes with 18 vectorized comparisons per voxel. Memory:
+/// that of `memberships`, reused, and of 32 slices. The result does not depend on `threads` (0: one per
+/// core).
+[[nodiscard]] Result<Classification> classify_voxels(MembershipVolume memberships,
                                                      std::span<const CrossedVoxel> crossed,
                                                      const StructureGraph& graph, unsigned threads = 0);
 

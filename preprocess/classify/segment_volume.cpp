@@ -113,9 +113,11 @@ void paint(const Component<kDimension>& component, std::uint8_t value, MaskImage
 
 void keep_largest_component(MaskImage<3>& image) {
   const auto components = components_of(image, 1);
-  const auto largest = std::ranges::max_element(components, {}, [](const auto& c) { return c->Size(); });
-  for (auto other = components.begin(); other != components.end(); ++other) {
-    if (other != largest) paint<3>(**other, 0, image);
+  std::vector<itk::SizeValueType> sizes;  // ITK counts voxels anew with every call
+  for (const auto& component : components) sizes.push_back(component->Size());
+  const auto largest = static_cast<std::size_t>(std::ranges::max_element(sizes) - sizes.begin());
+  for (std::size_t n = 0; n < components.size(); ++n) {
+    if (n != largest) paint<3>(*components[n], 0, image);
   }
 }
 

@@ -17,7 +17,7 @@
 namespace splatlas {
 namespace {
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kBuildExamples = R"(Examples:
   splatlas-preprocess build -o brain.atlas --labels aal.nii.gz --names aal.nii.txt --volume ch2.nii.gz
   splatlas-preprocess build -o body.atlas --labels segmentations/ --volume ct.nii.gz
   splatlas-preprocess build -o knee.atlas --labels knee.mha --volume knee_ct.mha --mesh Screw=screw.stl
@@ -46,7 +46,7 @@ dropped. A hierarchy in the table is the tree if there is no --tree.
 
 Tree: )";
 
-constexpr const char* kFooterEnd = R"(
+constexpr const char* kBuildExamplesEnd = R"(
 
 Segments: voxels that no structure holds yet get one of their own, in the order of the command line.
   NAME=mask:FILE[:open=MM][:overlap]    non-zero voxels of another volume; an opening with a ball of radius MM removes
@@ -151,7 +151,7 @@ CLI::App* add_build(CLI::App& app, BuildRequest& request) {
   BuildOptions& options = request.options;
   CLI::App* build =
       app.add_subcommand("build", "Make an atlas from volumes, labels, names, trees and surfaces");
-  build->footer(std::string(kFooter) + kTreeFormat + kFooterEnd);
+  build->footer(std::string(kBuildExamples) + kTreeFormat + kBuildExamplesEnd);
   build->add_option("-o,--output", options.output, "atlas file to write")->required()->check(names_a_file());
   add_sources(*build, options.sources);
   build

@@ -9,7 +9,7 @@
 namespace splatlas {
 namespace {
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kExportExamples = R"(Examples:
   splatlas-preprocess export brain.atlas --labels labels.nii.gz --volume volume.nii.gz
   splatlas-preprocess export brain.atlas --surface Cerebellum=cerebellum.stl --surface 'Vermis*=vermis.ply'
   splatlas-preprocess export body.atlas --labels masks/
@@ -36,7 +36,7 @@ Result<std::pair<std::string, std::filesystem::path>> parse_surface(std::string_
 CLI::App* add_export(CLI::App& app, ExportOptions& options) {
   CLI::App* command =
       app.add_subcommand("export", "Write the labels, volume, surfaces, names or tree of an atlas");
-  command->footer(kFooter);
+  command->footer(kExportExamples);
   command->add_option("ATLAS", options.atlas, "atlas file")->required()->check(names_a_file());
   command->add_option("--labels", options.labels, "label map to write; FOLDER/ for one mask per structure")
       ->check(names_a_file());

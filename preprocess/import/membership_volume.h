@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "format/content/grid.h"
@@ -58,6 +59,8 @@ class MembershipVolume {
   [[nodiscard]] std::span<const std::vector<StructureIndex>> sets() const { return sets_; }
   /// True if no voxel is in two structures.
   [[nodiscard]] bool disjoint() const;
+  /// Takes the sets of the voxels away.
+  [[nodiscard]] std::vector<SetId> take_voxels() { return std::move(voxels_); }
 
   /// Adds `structure` to the sets of all voxels with non-zero `mask`. Returns their number. Cost: one pass.
   std::uint64_t add(StructureIndex structure, std::span<const std::uint8_t> mask);

@@ -81,11 +81,14 @@ class SourceImporter {
   Result<SourceModel> import() {
     keep_error(collect_names());
     keep_error(import_tree());
-    keep_error(import_volume());
-    report(0.4);
+    // Labels first, unless they need the grid of the volume: reading them takes the most memory.
+    const bool to_volume = files_.resample == ResampleTo::kVolume;
+    if (to_volume) keep_error(import_volume());
     keep_error(import_names());
     keep_error(import_labels());
     keep_error(check_names_of_labels());
+    report(0.4);
+    if (!to_volume) keep_error(import_volume());
     report(0.7);
     if (!error_) keep_error(place_volume());
     keep_error(import_segment_masks());
@@ -285,7 +288,8 @@ class SourceImporter {
       image.grid = model_.source_grid;
     }
     SPLATLAS_RETURN_IF_ERROR(remember("segment", rule.mask));
-    return mask_of(to_storage_order(std::move(image.voxels), image.grid));
+    const VoxelBuffer stored = to_storage_order(std::move(image.voxels), image.grid);
+    return mask_of(stored);
   }
 
   Result<void> import_meshes() {

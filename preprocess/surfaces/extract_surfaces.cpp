@@ -38,12 +38,19 @@ class StructureExtractor {
   };
   /// The surface of a structure within `box`; writes the normals of the boundary voxels that it owns.
   [[nodiscard]] Result<Extracted> extract(StructureIndex structure, const IndexBox& box) const {
-    const std::vector<std::uint8_t> parts =
-        parts_of(structure_classes_.of(structure), classification_.classes.size());
-    const StructureCrop crop = crop_structure(classification_.volume, grid_.size, box, parts);
+    const std::span<const StructureClass> members = structure_classes_.of(structure);
+    const StructureCrop crop = crop_structure(classification_.runs, grid_.size[1], box, members);
+    std::vector<RunsBySlice> owned;
+    for (const StructureClass& h : members) {
+      if (normal_owner_[h.id] == structure) owned.push_back({h.id, classification_.runs.classes[h.id]});
+    }
     Extracted result;
     result.mesh = fit_surface(crop, grid_, rule_, [&](const SmoothGradient& gradient, std::int64_t k) {
-      write_voxel_normals(structure, crop, gradient, k);
+      for (RunsBySlice& runs : owned) {
+        runs.visit_slice(k, crop, grid_.size[1], [&](std::int64_t i, std::int64_t j) {
+          normals_[runs.id].push_back(voxel_normals_.normal(gradient.at(i, j)));
+        });
+      }
     });
     SPLATLAS_ASSIGN_OR_RETURN(const EdgeTriangles vtk, extract_with_vtk(crop));
     SPLATLAS_ASSIGN_OR_RETURN(result.is_derived, adopt_triangles(vtk, crop, grid_, result.mesh));
@@ -61,15 +68,6 @@ class StructureExtractor {
   }
 
  private:
-  /// Appends the normals of slice k, in memory order. Only the owner of a class does so.
-  void write_voxel_normals(StructureIndex structure, const StructureCrop& crop,
-                           const SmoothGradient& gradient, std::int64_t k) const {
-    for_each_voxel(crop, k, grid_, [&](std::int64_t i, std::int64_t j, std::size_t voxel) {
-      const ClassId c = classification_.volume[voxel];
-      if (normal_owner_[c] == structure) normals_[c].push_back(voxel_normals_.normal(gradient.at(i, j)));
-    });
-  }
-
   const Classification& classification_;
   const StructureClasses& structure_classes_;
   const Grid& grid_;

@@ -96,41 +96,69 @@ class CellOrder {
   const SurfaceMesh& mesh_;
 };
 
-/// The contour of scalars on the voxels of a crop.
-Result<EdgeTriangles> extract_contour(const StructureCrop& crop, vtkDataArray& scalars, double value) {
-  vtkNew<vtkImageData> image;
-  image->SetDimensions(static_cast<int>(crop.size[0]), static_cast<int>(crop.size[1]),
-                       static_cast<int>(crop.size[2]));
-  image->GetPointData()->SetScalars(&scalars);
-  vtkNew<vtkFlyingEdges3D> extract;
-  extract->SetInputData(image);
-  extract->SetValue(0, value);
-  extract->ComputeNormalsOff();
-  extract->ComputeGradientsOff();
-  extract->ComputeScalarsOff();
-  if (const std::string fault = update_quietly(*extract); !fault.empty())
-    return fail(ErrorCode::kFailed, "VTK cannot extract the surface: {}", fault);
-
-  vtkPolyData& found = *extract->GetOutput();
-  EdgeTriangles result;
-  result.positions_ijk.resize(static_cast<std::size_t>(found.GetNumberOfPoints()));
-  for (std::size_t v = 0; v < result.positions_ijk.size(); ++v) {
-    const double* const point = found.GetPoint(static_cast<vtkIdType>(v));
-    for (std::size_t a = 0; a < 3; ++a)
-      result.positions_ijk[v][a] = static_cast<float>(point[a] + static_cast<double>(crop.first[a]));
+/// Appends VTK's surface, whose first slice is slice `first` of the crop.
+Result<void> append(vtkPolyData& found, const StructureCrop& crop, std::int64_t first, EdgeTriangles& all) {
+  const std::array<double, 3> origin{static_cast<double>(crop.first[0]), static_cast<double>(crop.first[1]),
+                                     static_cast<double>(crop.first[2] + first)};
+  const auto first_vertex = static_cast<std::uint32_t>(all.positions_ijk.size());
+  for (vtkIdType v = 0; v < found.GetNumberOfPoints(); ++v) {
+    const double* const point = found.GetPoint(v);
+    std::array<float, 3>& position = all.positions_ijk.emplace_back();
+    for (std::size_t a = 0; a < 3; ++a) position[a] = static_cast<float>(point[a] + origin[a]);
   }
   vtkCellArray& cells = *found.GetPolys();
-  result.triangles.reserve(static_cast<std::size_t>(cells.GetNumberOfCells()));
   for (vtkIdType t = 0; t < cells.GetNumberOfCells(); ++t) {
     vtkIdType count = 0;
     const vtkIdType* corners = nullptr;
     cells.GetCellAtId(t, count, corners);
     if (count != 3) return fail(ErrorCode::kFailed, "VTK's surface has a polygon of {} corners", count);
-    result.triangles.push_back({static_cast<std::uint32_t>(corners[0]),
-                                static_cast<std::uint32_t>(corners[1]),
-                                static_cast<std::uint32_t>(corners[2])});
+    Triangle& triangle = all.triangles.emplace_back();
+    for (std::size_t n = 0; n < 3; ++n) triangle[n] = first_vertex + static_cast<std::uint32_t>(corners[n]);
+  }
+  return {};
+}
+
+/// The contour of scalars on the voxels of a crop, slab by slab: VTK takes tens of bytes a voxel and
+/// triangle.
+template <typename VtkArray, typename T>
+Result<EdgeTriangles> extract_contour(const StructureCrop& crop, std::span<const T> scalars, double value) {
+  constexpr std::int64_t kSlabVoxels = std::int64_t{1} << 24;
+  const std::int64_t plane = crop.size[0] * crop.size[1];
+  const std::int64_t cells = std::max<std::int64_t>(1, kSlabVoxels / plane);  // along z
+  EdgeTriangles result;
+  for (std::int64_t first = 0; first + 1 < crop.size[2]; first += cells) {
+    const std::int64_t slices = std::min(cells + 1, crop.size[2] - first);
+    const auto slab =
+        scalars.subspan(static_cast<std::size_t>(first * plane), static_cast<std::size_t>(slices * plane));
+    vtkNew<VtkArray> array;
+    array->SetArray(const_cast<T*>(slab.data()), slices * plane, 1);  // VTK does not write to its input
+    vtkNew<vtkImageData> image;
+    image->SetDimensions(static_cast<int>(crop.size[0]), static_cast<int>(crop.size[1]),
+                         static_cast<int>(slices));
+    image->GetPointData()->SetScalars(array);
+    vtkNew<vtkFlyingEdges3D> extract;
+    extract->SetInputData(image);
+    extract->SetValue(0, value);
+    extract->ComputeNormalsOff();
+    extract->ComputeGradientsOff();
+    extract->ComputeScalarsOff();
+    if (const std::string fault = update_quietly(*extract); !fault.empty())
+      return fail(ErrorCode::kFailed, "VTK cannot extract the surface: {}", fault);
+    SPLATLAS_RETURN_IF_ERROR(append(*extract->GetOutput(), crop, first, result));
   }
   return result;
+}
+
+/// VTK's triangles between the vertices of a mesh of the grid.
+std::vector<Triangle> renumbered(const EdgeTriangles& vtk, std::span<const std::uint32_t> vertex_of,
+                                 const Grid& grid) {
+  const bool mirrored = determinant(index_to_lps_mm(grid).linear) < 0;
+  std::vector<Triangle> triangles = vtk.triangles;
+  for (Triangle& triangle : triangles) {
+    for (std::uint32_t& v : triangle) v = vertex_of[v];
+    if (mirrored) std::swap(triangle[1], triangle[2]);
+  }
+  return triangles;
 }
 
 }  // namespace
@@ -138,17 +166,11 @@ Result<EdgeTriangles> extract_contour(const StructureCrop& crop, vtkDataArray& s
 Result<EdgeTriangles> extract_with_vtk(const StructureCrop& crop) {
   static_assert(StructureCrop::kOutside < 0.5 && StructureCrop::kInterior > 0.5 &&
                 StructureCrop::kBoundary > 0.5);
-  vtkNew<vtkUnsignedCharArray> scalars;
-  // VTK does not write to its input.
-  scalars->SetArray(const_cast<std::uint8_t*>(crop.parts.data()), static_cast<vtkIdType>(crop.parts.size()),
-                    1);
-  return extract_contour(crop, *scalars, 0.5);
+  return extract_contour<vtkUnsignedCharArray>(crop, std::span(crop.parts), 0.5);
 }
 
 Result<EdgeTriangles> extract_zeros_with_vtk(const StructureCrop& crop, std::span<const float> field) {
-  vtkNew<vtkFloatArray> scalars;
-  scalars->SetArray(const_cast<float*>(field.data()), static_cast<vtkIdType>(field.size()), 1);
-  return extract_contour(crop, *scalars, 0);
+  return extract_contour<vtkFloatArray>(crop, field, 0);
 }
 
 Result<std::vector<std::uint32_t>> match_vertices(const EdgeTriangles& vtk, const StructureCrop& crop,
@@ -170,15 +192,9 @@ Result<std::vector<std::uint32_t>> match_vertices(const EdgeTriangles& vtk, cons
 Result<bool> adopt_triangles(const EdgeTriangles& vtk, const StructureCrop& crop, const Grid& grid,
                              SurfaceMesh& mesh) {
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::uint32_t> vertex_of, match_vertices(vtk, crop, mesh));
-  const bool mirrored = determinant(index_to_lps_mm(grid).linear) < 0;
-  std::vector<Triangle> triangles = vtk.triangles;
-  for (Triangle& triangle : triangles) {
-    for (std::uint32_t& v : triangle) v = vertex_of[v];
-    if (mirrored) std::swap(triangle[1], triangle[2]);
-  }
-  if (as_set(triangles) == as_set(mesh.triangles)) return true;
-  CellOrder(crop, mesh).sort(triangles);
-  mesh.triangles = std::move(triangles);
+  if (as_set(renumbered(vtk, vertex_of, grid)) == as_set(mesh.triangles)) return true;
+  mesh.triangles = renumbered(vtk, vertex_of, grid);
+  CellOrder(crop, mesh).sort(mesh.triangles);
   return false;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "preprocess/classify/classify_voxels.h"
 #include "preprocess/import/membership_volume.h"
 #include "preprocess/structures/build_graph.h"
 #include "tests/phantom/two_spheres.h"
@@ -17,6 +18,11 @@ inline MembershipVolume memberships_of(const Masks& masks, const Index3& size) {
   MembershipVolume memberships(size);
   for (StructureIndex s = 0; s < masks.size(); ++s) memberships.add(s, masks[s]);
   return memberships;
+}
+
+/// The class of every voxel.
+inline std::vector<ClassId> volume_of(const Classification& classification, const Index3& size) {
+  return value_or_throw(decode_runs(classification.runs, size));
 }
 
 /// Structures "A", "B", ... without parents.

@@ -13,23 +13,21 @@ inline void fit_parts(AtlasContent& content, StructureIndex s, SurfaceRule rule 
   const StructureClasses held(content.classes, content.graph.size());
   const IndexBox box = box_of(content.classes, held.of(s));
   if (box.empty()) return;
+  const RunModel runs = encode_runs(content.class_volume, grid.size, Axis::kZ, content.classes.size());
   const std::vector<StructureIndex> owners = normal_owners(content.classes);
-  for (ClassId c = 0; c < owners.size(); ++c) {
-    if (owners[c] == s) content.boundary_normals[c].clear();
+  std::vector<RunsBySlice> owned;
+  for (const StructureClass& h : held.of(s)) {
+    if (owners[h.id] != s) continue;
+    content.boundary_normals[h.id].clear();
+    owned.push_back({h.id, runs.classes[h.id]});
   }
-  const StructureCrop crop =
-      crop_structure(content.class_volume, grid.size, box, parts_of(held.of(s), content.classes.size()));
+  const StructureCrop crop = crop_structure(runs, grid.size[1], box, held.of(s));
   content.surfaces[s] =
       fit_surface(crop, grid, rule, [&](const SmoothGradient& gradient, std::int64_t slice) {
-        const std::int64_t k = crop.first[2] + slice;
-        if (k < box.first[2] || k > box.last[2]) return;
-        for (std::int64_t j = box.first[1]; j <= box.last[1]; ++j) {
-          for (std::int64_t i = box.first[0]; i <= box.last[0]; ++i) {
-            const ClassId c = content.class_volume[static_cast<std::size_t>(grid.offset(i, j, k))];
-            if (owners[c] != s) continue;
-            content.boundary_normals[c].push_back(
-                VoxelNormals(grid).normal(gradient.at(i - crop.first[0], j - crop.first[1])));
-          }
+        for (RunsBySlice& of_class : owned) {
+          of_class.visit_slice(slice, crop, grid.size[1], [&](std::int64_t i, std::int64_t j) {
+            content.boundary_normals[of_class.id].push_back(VoxelNormals(grid).normal(gradient.at(i, j)));
+          });
         }
       });
 }

@@ -28,7 +28,9 @@ std::uint64_t section_bytes(const Atlas& atlas, const std::string& name) {
 RC_GTEST_PROP(FitSurface, WhatFollowsFromTheVoxelsIsNotStoredAndComesBack, ()) {
   auto random = *random_source();
   const AtlasContent content = fitted_by_all_rules(random_content(random, {9, 5, 30}));
-  const FittedParts parts = find_fitted_parts(content, 1);
+  const RunModel runs =
+      encode_runs(content.class_volume, storage_grid(content).size, Axis::kZ, content.classes.size());
+  const FittedParts parts = find_fitted_parts(content, runs, 1);
   const StructureClasses held(content.classes, content.graph.size());
   for (StructureIndex s = 0; s < content.graph.size(); ++s) {
     const bool holds_voxels = !box_of(content.classes, held.of(s)).empty();

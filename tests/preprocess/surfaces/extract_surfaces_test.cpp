@@ -146,14 +146,15 @@ RC_GTEST_PROP(ExtractSurfaces, EveryTriangleIsListedUnderItsLeadingVoxel, ()) {
                                                                    rc::gen::element<std::uint8_t>(0, 1)));
   }
   const Extracted e = extract(masks, grid);
+  const std::vector<ClassId> volume = volume_of(e.classification, grid.size);
   for (StructureIndex s = 0; s < 2; ++s) {
     const SurfaceMesh& mesh = e.surfaces.surfaces[s];
     RC_ASSERT(is_closed(mesh));
     RC_ASSERT(mesh.normals_lps.size() == mesh.positions_ijk.size());
     const auto boundary = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
       if (!grid.contains(i, j, k)) return false;
-      for (const Membership& m : e.classification.classes.members(
-               e.classification.volume[static_cast<std::size_t>(grid.offset(i, j, k))])) {
+      for (const Membership& m :
+           e.classification.classes.members(volume[static_cast<std::size_t>(grid.offset(i, j, k))])) {
         if (m.structure == s && m.part == Part::kBoundary) return true;
       }
       return false;
@@ -198,10 +199,11 @@ TEST(ExtractSurfaces, BoundaryNormalsStandInMemoryOrder) {
   const Grid grid{.size = {9, 9, 9}};
   const Extracted e =
       extract({make_mask(grid.size, [](auto, auto, auto k) { return k >= 2 && k <= 6; })}, grid);
+  const std::vector<ClassId> volume = volume_of(e.classification, grid.size);
   for (ClassId c = 0; c < e.classification.classes.size(); ++c) {
     std::size_t n = 0;
-    for (std::size_t v = 0; v < e.classification.volume.size(); ++v) {
-      if (e.classification.volume[v] != c || e.surfaces.boundary_normals[c].empty()) continue;
+    for (std::size_t v = 0; v < volume.size(); ++v) {
+      if (volume[v] != c || e.surfaces.boundary_normals[c].empty()) continue;
       const auto normal = unpack_normal(e.surfaces.boundary_normals[c][n++]);
       const auto i = static_cast<std::int64_t>(v % 9), j = static_cast<std::int64_t>(v / 9 % 9),
                  k = static_cast<std::int64_t>(v / 81);

@@ -123,6 +123,25 @@ TEST(AdoptTriangles, KeepsASurfaceWithTheTrianglesOfVtk) {
   }
 }
 
+TEST(AdoptTriangles, FindsTheTrianglesOfVtkAcrossItsSlabs) {
+  std::mt19937 random(4);
+  const Index3 size{1024, 1024, 35};  // slabs have 16 slices
+  StructureCrop crop = empty_crop({{0, 0, 0}, {1023, 1023, 34}});
+  for (std::int64_t k = 1; k <= size[2]; ++k) {
+    for (std::int64_t j = 1; j < 10; ++j) {
+      for (std::int64_t i = 1; i < 10; ++i) {
+        if (random() % 3 == 0) crop.parts[crop.offset(i, j, k)] = StructureCrop::kBoundary;
+      }
+    }
+  }
+  const Grid grid{.size = size};
+  SurfaceMesh mesh = fit_surface(crop, grid, SurfaceRule::kVoxels);
+  const EdgeTriangles vtk = value_or_throw(extract_with_vtk(crop));
+  EXPECT_EQ(vtk.triangles.size(), mesh.triangles.size());
+  EXPECT_GT(vtk.positions_ijk.size(), mesh.positions_ijk.size());  // slabs share slices
+  EXPECT_TRUE(value_or_throw(adopt_triangles(vtk, crop, grid, mesh)));
+}
+
 /// Turns the diagonal of two triangles in a cell.
 void flip_diagonals(SurfaceMesh& mesh) {
   std::size_t flipped = 0;
@@ -234,7 +253,7 @@ TEST(ExtractSurfaces, DecodedTrianglesAreVtksInRandomLabelVolumes) {
           value_or_throw(extract_surfaces(classification, content.graph, grid, {rule, 1, {}}));
       EXPECT_EQ(extracted.not_derived, 0u);
       content.classes = classification.classes;
-      content.class_volume = classification.volume;
+      content.class_volume = volume_of(classification, grid.size);
       content.surfaces = std::move(extracted.surfaces);
       content.boundary_normals = std::move(extracted.boundary_normals);
       const auto bytes = value_or_throw(encode_atlas(content, {.level = 1, .threads = 1}));
