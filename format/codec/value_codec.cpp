@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <deque>
 #include <limits>
 
 #include "format/codec/run_codec.h"
@@ -125,10 +126,11 @@ ValueModel fit_model(const GroupVoxels& group, VoxelType type, std::span<const s
 }
 
 template <typename Lane>
-std::vector<std::byte> encode(const GroupVoxels& group, VoxelType type, std::span<const std::byte> values) {
+void encode(const GroupVoxels& group, VoxelType type, std::span<const std::byte> values,
+            std::span<std::byte> code) {
   const ValueModel model = fit_model<Lane>(group, type, values);
   ValueWindow<Lane> window(group.box, model);
-  std::array<std::vector<std::uint16_t>, kBuckets> residuals;
+  std::array<std::deque<std::uint16_t>, kBuckets> residuals;  // vectors take up to three times as much
   ValueReader<Lane> reader(values, type);
   walk(group, window, [&](std::int64_t begin, std::int64_t end) {
     window.code_run(begin, end, [&](const ValuePrediction& prediction) {
@@ -138,20 +140,19 @@ std::vector<std::byte> encode(const GroupVoxels& group, VoxelType type, std::spa
       return value;
     });
   });
-  std::vector<std::byte> code(kHeaderBytes);
   for (std::size_t b = 0; b < kBuckets; ++b) {
     const auto count = static_cast<std::uint32_t>(residuals[b].size());
     std::memcpy(code.data() + b * sizeof count, &count, sizeof count);
   }
   std::memcpy(code.data() + kCountsBytes, model.weights.data(), sizeof model.weights);
   code[kHeaderBytes - 2] = static_cast<std::byte>(model.error_shift);
+  code[kHeaderBytes - 1] = {};
+  std::byte* to = &code[kHeaderBytes];
   for (std::size_t byte = 0; byte < bytes_of(type); ++byte) {
-    for (const std::vector<std::uint16_t>& bucket : residuals) {
-      for (const std::uint16_t residual : bucket)
-        code.push_back(static_cast<std::byte>(residual >> 8 * byte));
+    for (const std::deque<std::uint16_t>& bucket : residuals) {
+      for (const std::uint16_t residual : bucket) *to++ = static_cast<std::byte>(residual >> 8 * byte);
     }
   }
-  return code;
 }
 
 /// Sequential reader of the residuals of every bucket.
@@ -277,11 +278,22 @@ std::uint64_t value_code_bytes(VoxelType type, const IndexBox& box, std::uint64_
   return voxels * bytes_of(type) + (predicts_values(type, box, voxels) ? kHeaderBytes : 0);
 }
 
+void encode_values(const GroupVoxels& group, VoxelType type, std::span<const std::byte> values,
+                   std::span<std::byte> code) {
+  if (!predicts_values(type, group.box, group.voxels)) {
+    std::ranges::copy(values, code.begin());
+  } else if (bytes_of(type) == 1) {
+    encode<std::int16_t>(group, type, values, code);
+  } else {
+    encode<std::int32_t>(group, type, values, code);
+  }
+}
+
 std::vector<std::byte> encode_values(const GroupVoxels& group, VoxelType type,
                                      std::span<const std::byte> values) {
-  if (!predicts_values(type, group.box, group.voxels)) return {values.begin(), values.end()};
-  return bytes_of(type) == 1 ? encode<std::int16_t>(group, type, values)
-                             : encode<std::int32_t>(group, type, values);
+  std::vector<std::byte> code(value_code_bytes(type, group.box, group.voxels));
+  encode_values(group, type, values, code);
+  return code;
 }
 
 Result<std::vector<std::byte>> decode_values(const GroupVoxels& group, VoxelType type,

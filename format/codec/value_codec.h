@@ -48,7 +48,11 @@ struct GroupVoxels {
 /// Encoded length in bytes.
 [[nodiscard]] std::uint64_t value_code_bytes(VoxelType type, const IndexBox& box, std::uint64_t voxels);
 
-/// Encodes the values of the voxels in memory order, bytes_of(type) each.
+/// Encodes the values of the voxels in memory order, bytes_of(type) each, to value_code_bytes() bytes.
+/// Memory: two bytes a voxel.
+void encode_values(const GroupVoxels& group, VoxelType type, std::span<const std::byte> values,
+                   std::span<std::byte> code);
+/// The same in new memory.
 [[nodiscard]] std::vector<std::byte> encode_values(const GroupVoxels& group, VoxelType type,
                                                    std::span<const std::byte> values);
 

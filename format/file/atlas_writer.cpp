@@ -242,12 +242,13 @@ void AtlasEncoder::encode_group(const ValueGroups& groups, std::size_t group,
                            group_box(groups, content_.classes, group, size_), size_[1]};
   std::vector<std::byte> values;
   const std::size_t value_bytes = bytes_of(content_.values.type);
+  values.reserve(voxels.voxels * value_bytes);
   for (const ClassSpan& span : spans) {
     const std::uint64_t first = span.run.scanline * static_cast<std::uint64_t>(size_[0]) + span.run.start;
     const std::byte* const from = content_.values.bytes.data() + first * value_bytes;
     values.insert(values.end(), from, from + span.run.length * value_bytes);
   }
-  std::ranges::copy(encode_values(voxels, content_.values.type, values), code.begin());
+  encode_values(voxels, content_.values.type, values, code);
 }
 
 SectionBytes AtlasEncoder::gather_values() const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -132,6 +133,23 @@ Result<VoxelBuffer> choose_layer(SourceImage& image, const fs::path& path, const
                      std::vector<std::byte>(first, first + static_cast<std::ptrdiff_t>(bytes))};
 }
 
+/// Reverses axes in place.
+template <typename T>
+void reverse_axes(std::span<T> voxels, const Index3& size, const std::array<bool, 3>& flipped) {
+  std::size_t block = 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto count = static_cast<std::size_t>(size[a]);
+    for (std::size_t first = 0; flipped[a] && first < voxels.size(); first += block * count) {
+      for (std::size_t n = 0; n < count / 2; ++n) {
+        const auto low = voxels.begin() + static_cast<std::ptrdiff_t>(first + n * block),
+                   high = voxels.begin() + static_cast<std::ptrdiff_t>(first + (count - 1 - n) * block);
+        std::swap_ranges(low, low + static_cast<std::ptrdiff_t>(block), high);
+      }
+    }
+    block *= count;
+  }
+}
+
 }  // namespace
 
 const ImageFormatEntry* find_image_format(const fs::path& path) {
@@ -203,7 +221,13 @@ bool have_same_voxels(const Grid& a, const Grid& b) {
 
 VoxelBuffer to_storage_order(VoxelBuffer voxels, const Grid& source_grid) {
   const AxisOrder order = storage_order(source_grid);
-  if (order.is_identity()) return voxels;
+  if (order.from == AxisOrder{}.from) {  // saves the memory of a copy
+    visit_voxel_type(voxels.type, [&]<typename T>(T) {
+      reverse_axes(std::span(voxels.as<T>(), voxels.bytes.size() / sizeof(T)), source_grid.size,
+                   order.flipped);
+    });
+    return voxels;
+  }
   VoxelBuffer stored{voxels.type, std::vector<std::byte>(voxels.bytes.size())};
   reorder_voxels(voxels.bytes.data(), source_grid.size, order, bytes_of(voxels.type), stored.bytes.data());
   return stored;
