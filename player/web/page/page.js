@@ -4,6 +4,7 @@
 const kViewKeys = ['1', '2', '3', '4', '5', '6'];
 const kMaxLinkText = 20000;
 const kMessageMs = 8000;
+const kSlowMs = 1000;  // without a picture until the page says so
 const kKeys = [
   ['Arrows', 'turn (in the picture)'], ['Shift + arrows', 'move'], ['+ −', 'zoom'],
   ['1 … 6', 'anterior, posterior, left, right, superior, inferior'], ['F', 'fit the picture to what is shown'],
@@ -35,6 +36,7 @@ class Page {
   #fit = null;        // {structure, zoom} until the workers have fitted the camera
   #lastGood = null;   // the latest state that was drawn
   #messageTimer = 0;
+  #slowTimer = 0;     // runs until the next picture
 
   async start() {
     window.addEventListener('error', event => this.#stopFor(event.message));
@@ -86,10 +88,19 @@ class Page {
     if (stage.camera === null) return;
     stage.mark();
     byId('perspective').checked = Camera.isPerspective(stage.camera);
+    this.#slowTimer ||= setTimeout(() => { byId('loading').hidden = false; }, kSlowMs);
     this.#engine.show({
       select: this.#model.selection(), cuts: this.#model.state.cuts, camera: stage.camera, fit: this.#fit,
       size: stage.pictureSize(), depthCue: byId('depth-cue').checked,
     });
+  }
+
+  /** A picture or an error has come. */
+  #endWait() {
+    clearTimeout(this.#slowTimer);
+    this.#slowTimer = 0;
+    byId('loading').hidden = true;
+    byId('loading').textContent = 'Drawing …';
   }
 
   #showScene(n) {
@@ -120,7 +131,7 @@ class Page {
     }
     this.#stage.draw(message);
     byId('opening-picture').hidden = true;
-    byId('loading').hidden = true;
+    this.#endWait();
     if (message.missing.length > 0) this.#tell(message.missing[0]);
     if (message.isOld) return;
     this.#lastGood = this.#model.state;
@@ -149,7 +160,7 @@ class Page {
   /** Tells an error, and returns to what was drawn before. */
   #takeError(text) {
     this.#tell(text);
-    byId('loading').hidden = true;
+    this.#endWait();
     if (this.#model === null) return;
     const good = this.#lastGood ?? {...this.#model.state, base: this.#opening.select, edits: [], scene: null, isAsking: false};
     if (this.#model.state === good) return;
@@ -170,7 +181,7 @@ class Page {
   #stop(text) {
     this.#tell(text);
     clearTimeout(this.#messageTimer);
-    byId('loading').hidden = true;
+    this.#endWait();
     document.body.dataset.stopped = 'true';
   }
 
