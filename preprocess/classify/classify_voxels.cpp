@@ -158,7 +158,7 @@ class BandClassifier {
 
   /// Row j of the slice `dk` slices on. Null beyond the grid.
   [[nodiscard]] const SetId* row(std::int64_t j, int dk) const {
-    const SetId* const slice = slices_[static_cast<std::size_t>(dk + 1)];
+    const SetId* const slice = dk < 0 ? slices_[0] : dk == 0 ? slices_[1] : slices_[2];
     return slice == nullptr || j < 0 || j >= size_[1] ? nullptr : slice + j * size_[0];
   }
 
