@@ -257,18 +257,12 @@ std::vector<PackedNormal> fit_normals(const StructureCrop& crop, std::span<const
   const VoxelNormals voxel_normals(grid);
   std::vector<PackedNormal> normals;
   SmoothGradient gradient(crop);
-  std::size_t n = 0;
-  for (std::int64_t k = 0; k < crop.size[2] && n < runs.size(); ++k) {
+  RunsBySlice slices{kEmptyClass, runs};
+  for (std::int64_t k = 0; k < crop.size[2] && !slices.left.empty(); ++k) {
     gradient.next_slice();
-    for (; n < runs.size(); ++n) {
-      const auto scanline = static_cast<std::int64_t>(runs[n].scanline);
-      if (scanline / grid.size[1] - crop.first[2] != k) break;
-      const std::int64_t j = scanline % grid.size[1] - crop.first[1];
-      for (std::uint32_t i = 0; i < runs[n].length; ++i) {
-        const std::int64_t at = std::int64_t{runs[n].start} + i - crop.first[0];
-        normals.push_back(voxel_normals.normal(gradient.at(at, j)));
-      }
-    }
+    slices.visit_slice(k, crop, grid.size[1], [&](std::int64_t i, std::int64_t j) {
+      normals.push_back(voxel_normals.normal(gradient.at(i, j)));
+    });
   }
   return normals;
 }
