@@ -112,6 +112,7 @@ struct RenderStats {
   int level = 0;                     ///< splatted voxels are means of 2^level along each axis
   int surface_level = 0;             ///< surfaces are those of blocks of 2^level voxels
   bool rays = false;                 ///< the volume is drawn by rays, not by sheets
+  bool strips = false;               ///< spans were built strip by strip, as memory does not hold all
   std::uint64_t triangles = 0;       ///< projected triangles
   double select_ms = 0, decode_ms = 0, render_ms = 0;
   /// Stages:

@@ -49,16 +49,8 @@ struct Renderer::Impl {
     Stopwatch watch;
     SPLATLAS_RETURN_IF_ERROR(check_selection(selection, atlas->graph()));
     DrawPlan plan = atlas->tree().plan(selection);
-    const std::uint64_t voxels = plan.volume_voxels + plan.hybrid_voxels;
-    const std::uint64_t bytes = max_span_bytes(voxels, *atlas);
-    if (bytes > max_memory_bytes) {
-      return fail(ErrorCode::kLimit,
-                  "the selection has {} volume voxels, which take up to {} MiB; {} MiB are allowed. Select "
-                  "less, or surfaces only",
-                  voxels, bytes >> 20, max_memory_bytes >> 20);
-    }
-    drawn.select(selection, bytes);
-    if (decoded.begin(max_memory_bytes - bytes)) spans.clear();
+    drawn.select(selection);
+    if (decoded.begin(max_memory_bytes / 2)) spans.clear();
     stats = {};
     fit_decode_ms = 0;
     draw(std::move(plan));
@@ -98,7 +90,7 @@ struct Renderer::Impl {
     frame.picker = nullptr;
     SPLATLAS_ASSIGN_OR_RETURN(const View view, view_of(camera, options.size, atlas->display()));
     SPLATLAS_RETURN_IF_ERROR(check_ids(options, *atlas));
-    SPLATLAS_RETURN_IF_ERROR(reserve_memory(options));
+    SPLATLAS_RETURN_IF_ERROR(check_size(options));
     const FrameCall call{view, options, overrides, task};
     SPLATLAS_RETURN_IF_ERROR(render(call, frame));
     frame.stats = stats;
@@ -122,15 +114,19 @@ struct Renderer::Impl {
     return render_sheets(call, frame);
   }
 
-  /// Frees memory for a picture, or refuses the picture.
-  [[nodiscard]] Result<void> reserve_memory(const RenderOptions& options) {
-    const std::uint64_t bytes = frame_bytes(options), reserved = drawn.max_span_bytes();
-    spans.make_room(max_memory_bytes - std::min(reserved + bytes, max_memory_bytes));
-    if (bytes <= max_memory_bytes - reserved) return {};
+  /// Refuses pictures that take more than the memory.
+  [[nodiscard]] Result<void> check_size(const RenderOptions& options) const {
+    const std::uint64_t bytes = frame_bytes(options);
+    if (bytes <= max_memory_bytes) return {};
     return fail(ErrorCode::kLimit,
-                "a picture of {}x{} pixels takes {} MiB, and the selection's volumes up to "
-                "{} MiB; {} MiB are allowed. Take a smaller size",
-                options.size.width, options.size.height, bytes >> 20, reserved >> 20, max_memory_bytes >> 20);
+                "a picture of {}x{} pixels takes {} MiB; {} MiB are allowed. Take a smaller size",
+                options.size.width, options.size.height, bytes >> 20, max_memory_bytes >> 20);
+  }
+  /// Memory that the picture and the decoded parts leave for spans; an eighth of all at least, as the decoded
+  /// parts cannot take less.
+  [[nodiscard]] std::uint64_t memory_for_spans(const RenderOptions& options) const {
+    const std::uint64_t taken = frame_bytes(options) + decoded.cache().bytes();
+    return std::max(max_memory_bytes - std::min(taken, max_memory_bytes), max_memory_bytes / 8);
   }
 
   /// Fits a camera to the selection, or to its part in some structures.
@@ -139,7 +135,7 @@ struct Renderer::Impl {
                                    const PictureRegion& region) {
     SPLATLAS_ASSIGN_OR_RETURN(const FitFrame frame,
                               FitFrame::of(camera, options.size, atlas->display(), region));
-    SPLATLAS_RETURN_IF_ERROR(reserve_memory(options));
+    SPLATLAS_RETURN_IF_ERROR(check_size(options));
 
     // Decode the data of the picture
     Stopwatch watch;
@@ -174,7 +170,7 @@ struct Renderer::Impl {
     const double select_ms = stats.select_ms;
     const SheetVolume volume =
         spans.prepare({drawn.plan(), drawn.appearances(), *atlas, decoded.cache(), options.hybrid_shading},
-                      view.plane, shear, lighting, options, stats, pool);
+                      view.plane, shear, lighting, options, memory_for_spans(options), stats, pool);
 
     // Rasterise surfaces, render sheets, resolve both into the picture
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache(), stats.surface_level);
@@ -198,6 +194,7 @@ struct Renderer::Impl {
 
     // Build the ray volume, and light it
     stats.level = stats.surface_level = 0;
+    stats.strips = false;
     task.begin_stage(kPrepared, 4);
     if (!rays.fits(options)) spans.clear();
     SPLATLAS_RETURN_IF_ERROR(

@@ -55,8 +55,6 @@ class Renderer {
 
   /// Replaces the selection. render() reads and decodes its data later. Errors:
   ///   - kUsage, keeping the old selection, for an invalid selection (see check_selection()).
-  ///   - kLimit, keeping the old one, if the new selection needs more memory than
-  ///     RendererOptions::max_memory_bytes.
   ///   - kLimit, with an empty selection, when out of memory.
   /// Cost: the draw plan of the selection.
   [[nodiscard]] Result<void> select(const Selection& selection);

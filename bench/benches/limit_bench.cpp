@@ -97,8 +97,8 @@ class LimitTask {
     none.first_of_row.assign(static_cast<std::size_t>(options_.size.height) + 1, 0);
     Stopwatch watch;
     no_fragments_.build(none, packed.shear, packed.window, options_.size, task_.atlas->grid(), pool_);
-    const std::uint64_t voxels = render_sheets(packed.model, packed.shear, packed.window, best_kernels(), 0,
-                                               {}, no_fragments_, packed_sheet_, pool_);
+    const std::uint64_t voxels = render_sheets(SheetSpans(packed.model), packed.shear, packed.window,
+                                               best_kernels(), 0, {}, no_fragments_, packed_sheet_, pool_);
     const Elapsed elapsed = watch.lap();
     if (voxels != packed.model.voxels)
       return fail(ErrorCode::kFailed, "a part of the packed voxels lies outside of the sheet");

@@ -131,7 +131,8 @@ TEST(DepthCueOfFrames, VolumesLieAtTransmittanceOneHalf) {
     ASSERT_EQ(shear.principal, Axis::kY);
     DepthMap of_spans, of_rays;
     of_spans.clear(size);
-    add_span_depths(prepared.spans(Axis::kY, false), shear, view_depth, {}, of_spans, pool);
+    const SpanModel spans = prepared.spans(Axis::kY, false);
+    add_span_depths(SheetSpans(spans), shear, view_depth, {}, of_spans, pool);
     of_rays.clear(size);
     add_ray_depths(prepared.rays(Classification::kBefore), view, grid, best_march(), nullptr, view_depth,
                    of_rays, pool);

@@ -222,17 +222,33 @@ TEST(Renderer, LooksPastTheAtlas) {
   }
 }
 
-TEST(Renderer, RefusesSelectionsThatNeedTooMuchMemoryAndKeepsTheOldOne) {
+/// The same pixels, ids, depths and picks as with all spans at once.
+TEST(Renderer, DrawsVolumesBeyondItsMemoryInStrips) {
   const AtlasContent content = phantom_content();
-  Renderer renderer(open_in_memory(content),
-                    {1, span_model_bytes(437 + 464, 437 + 464) + picture_bytes({20, 20})});
-  ASSERT_TRUE(renderer.select(selection_of("Sphere_2", content.graph)));
-  const Picture before = render_or_throw(renderer, {}, {.size = {20, 20}});
-  const auto refused = renderer.select(selection_of("Spheres", content.graph));
-  ASSERT_FALSE(refused.has_value());
-  EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
-  EXPECT_EQ(render_or_throw(renderer, {}, {.size = {20, 20}}).rgba, before.rgba);
-  EXPECT_TRUE(renderer.select(selection_of("Spheres:surface", content.graph)).has_value());
+  const Selection selection = selection_of("Spheres", content.graph);
+  Renderer ample = renderer_of(content, selection);
+  Renderer small(open_in_memory(content), {2, std::uint64_t{5} << 18});
+  ASSERT_TRUE(small.select(selection));
+  for (const Quality quality : {Quality::kDraft, Quality::kNormal}) {
+    for (const Camera& camera :
+         {Camera{.azimuth_deg = 20, .elevation_deg = 30}, Camera{.azimuth_deg = 100, .zoom = 3},
+          Camera{.azimuth_deg = -70, .elevation_deg = -80}}) {
+      for (const bool cut : {false, true}) {
+        RenderOptions options{.size = {90, 70}, .quality = quality, .ids = true, .depths = true};
+        ASSERT_TRUE(!cut || options.cuts.add({{1, 0, 0.3}, 2}));
+        const Frame expected = frame_or_throw(ample, camera, options),
+                    frame = frame_or_throw(small, camera, options);
+        ASSERT_FALSE(expected.stats.strips);
+        ASSERT_TRUE(frame.stats.strips);
+        EXPECT_EQ(frame.picture.rgba, expected.picture.rgba);
+        EXPECT_EQ(frame.ids.numbers, expected.ids.numbers);
+        EXPECT_EQ(frame.depths.mm, expected.depths.mm);
+        const auto pick = frame.pick(45, 35), same = expected.pick(45, 35);
+        ASSERT_EQ(pick.has_value(), same.has_value());
+        EXPECT_TRUE(!pick || pick->structure == same->structure);
+      }
+    }
+  }
 }
 
 TEST(Renderer, RefusesPicturesThatNeedTooMuchMemoryBeforeItReads) {
@@ -241,7 +257,7 @@ TEST(Renderer, RefusesPicturesThatNeedTooMuchMemoryBeforeItReads) {
   RenderOptions options{.size = {64, 48}};
   // Surfaces only: no memory for volumes.
   const Selection selection = *Selection::parse("Spheres:surface", atlas->graph());
-  const std::uint64_t enough = picture_bytes(options.size) + span_model_bytes(0, 0);
+  const std::uint64_t enough = picture_bytes(options.size);
   Renderer too_small(atlas, {1, enough - 1});
   ASSERT_TRUE(too_small.select(selection));
   const std::uint64_t read = atlas->counters().read;

@@ -21,11 +21,8 @@ class DrawnSelection {
  public:
   explicit DrawnSelection(const Atlas& atlas) : appearances_(atlas) {}
 
-  /// Replaces the selection; draw() must follow. `max_span_bytes`: upper bound of the memory of its spans.
-  void select(const Selection& selection, std::uint64_t max_span_bytes) {
-    selection_ = selection;
-    max_span_bytes_ = max_span_bytes;
-  }
+  /// Replaces the selection; draw() must follow.
+  void select(const Selection& selection) { selection_ = selection; }
   /// Replaces the draw plan and its appearances. Throws std::bad_alloc, and leaves an empty plan.
   void draw(DrawPlan plan) {
     plan_ = std::move(plan);
@@ -49,7 +46,6 @@ class DrawnSelection {
   [[nodiscard]] const VolumeAppearances& appearances() const { return appearances_; }
   /// Numbers of the structures of the plan's classes, for id images.
   [[nodiscard]] std::span<const StructureNumber> numbers() const { return numbers_; }
-  [[nodiscard]] std::uint64_t max_span_bytes() const { return max_span_bytes_; }
   [[nodiscard]] bool draws_nothing() const { return volume_classes(plan_).empty() && plan_.surfaces.empty(); }
 
   /// Surfaces of the plan with their appearances. `cache` must hold them at the level.
@@ -67,7 +63,6 @@ class DrawnSelection {
   DrawPlan plan_;
   VolumeAppearances appearances_;         // of plan_.classes
   std::vector<StructureNumber> numbers_;  // the same
-  std::uint64_t max_span_bytes_ = 0;
 };
 
 }  // namespace splatlas

@@ -69,17 +69,16 @@ double bytes_of_sheet(const SheetWindow& window, const SpanModel& model) {
 }
 
 SheetSampling sampling_of(const SheetVolume& volume, Quality quality) {
-  const auto& [model, runs, shear, grid, detail] = volume;
-  return {sheet_scale(quality, volume, has_sharp_edges(model, grid)), slab_parts(quality),
-          quality != Quality::kDraft};
+  const bool sharp = has_sharp_edges(volume.spans.frame(), volume.grid);
+  return {sheet_scale(quality, volume, sharp), slab_parts(quality), quality != Quality::kDraft};
 }
 
 Result<SheetWindow> choose_window(const SheetVolume& volume, SheetSampling sampling, const PictureSize& size,
                                   std::span<const VoxelPlane> planes) {
-  const auto& [model, runs, shear, grid, detail] = volume;
+  const SpanModel& model = volume.spans.frame();
   while (true) {
-    SheetWindow window = sheet_window(model, shear, size, sampling, planes);
-    window.skew = skew_of(shear, sampling);
+    SheetWindow window = sheet_window(model, volume.shear, size, sampling, planes);
+    window.skew = skew_of(volume.shear, sampling);
     if (window.empty() || window.fine_rows() <= kMaxSheetPixels / window.fine_columns()) return window;
     if (sampling.scale == 1) {
       return fail(ErrorCode::kLimit,
@@ -123,7 +122,7 @@ Result<void> SheetFrame::render_volume(Picture& /*picture*/) {
       const SheetWindow window,
       choose_window(volume_, sampling_of(volume_, options.quality), options.size, planes()));
   const auto& [spans, runs, shear, grid, detail] = volume_;
-  check_memory(bytes_of_sheet(window, spans));
+  check_memory(bytes_of_sheet(window, spans.frame()));
   scale_depths();
   buffers_.order.build(buffers_.fragments, shear, window, options.size, grid, pool_);
   const bool has_ends = ends_at_surfaces();

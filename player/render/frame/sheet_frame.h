@@ -25,7 +25,7 @@ class SheetFrame : public FrameRenderer {
   [[nodiscard]] Result<RasterScene> raster_scene_of_view() const override;
   void add_volume_depths(const ViewDepth& view_depth) override;
   [[nodiscard]] bool ends_at_surfaces() const override;
-  [[nodiscard]] std::uint64_t voxels() const override { return volume_.spans.voxels; }
+  [[nodiscard]] std::uint64_t voxels() const override { return volume_.spans.frame().voxels; }
   [[nodiscard]] std::optional<Axis> slice_axis() const override { return volume_.shear.principal; }
 
   /// Surface fragments in the volume.

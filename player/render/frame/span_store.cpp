@@ -83,13 +83,6 @@ bool may_be_rough(const RenderOptions& options) {
          !options.ids && !options.depths && options.depth_cue == DepthCue::kNone;
 }
 
-std::uint64_t max_span_bytes(std::uint64_t voxels, const Atlas& atlas) {
-  // The selection's runs are unknown yet; bound them by all runs of an axis
-  std::uint64_t runs = 0;
-  for (const Axis axis : kAxes) runs = std::max(runs, atlas.runs(axis));
-  return span_model_bytes(voxels, std::min(runs, voxels));
-}
-
 void AxisSpans::require(const SpanSource& source, Axis axis, ThreadPool& pool) {
   const auto& [plan, appearances, atlas, cache, shade] = source;
   if (current(shade)) return;
@@ -123,52 +116,83 @@ void AxisSpans::update_lighting(const ParallelView& view, const Lighting& lighti
   partly_shaded_ = false;
 }
 
-VolumeDetail SpanStore::choose_detail(const SpanSource& source, const Shear& shear,
-                                      const RenderOptions& options, unsigned threads) {
-  if (!may_be_rough(options)) return {};
-  const double voxels = static_cast<double>(source.plan.volume_voxels + source.plan.hybrid_voxels);
-  const std::optional<AxisSpans>& spans = spans_[static_cast<std::size_t>(shear.principal)];
-  const bool ready = (spans && spans->current(source.shade)) ||
-                     voxels * kBuildMsPerVoxel / threads <= 2 * options.draft_budget_ms;
-  return pace_.next(shear.voxel_pixels(), ready);
-}
-
 SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& view, const Shear& shear,
-                               const Lighting& lighting, const RenderOptions& options, RenderStats& stats,
-                               ThreadPool& pool) {
-  const Grid& grid = source.atlas.grid();
+                               const Lighting& lighting, const RenderOptions& options,
+                               std::uint64_t max_bytes, RenderStats& stats, ThreadPool& pool) {
+  const auto& [plan, appearances, atlas, cache, shade] = source;
   const Axis axis = shear.principal;
-  const VolumeDetail detail = choose_detail(source, shear, options, pool.threads());
-  stats.level = detail.level;
   Stopwatch watch;
+  SelectedRuns runs(plan, atlas.classes(), cache, axis);
+  stats.runs_visited = runs.count();
+
+  // Find the memory of the spans of all voxels, and free what leaves too little of it
+  const std::uint64_t voxels = plan.volume_voxels + plan.hybrid_voxels;
+  const std::uint64_t bytes = span_model_bytes(voxels, std::min(runs.count(), voxels));
+  std::optional<AxisSpans>& spans = spans_[static_cast<std::size_t>(axis)];
+  const auto axes =
+      static_cast<std::uint64_t>(std::ranges::count_if(spans_, &std::optional<AxisSpans>::has_value));
+  if ((spans ? axes : axes + 1) * bytes > max_bytes) {
+    for (const Axis other : kAxes) {
+      if (other != axis || bytes > max_bytes) spans_[static_cast<std::size_t>(other)].reset();
+    }
+  }
+
+  // Choose the detail
+  const bool is_ready =
+      bytes <= max_bytes &&
+      ((spans && spans->current(shade)) ||
+       static_cast<double>(voxels) * kBuildMsPerVoxel / pool.threads() <= 2 * options.draft_budget_ms);
+  const VolumeDetail detail =
+      may_be_rough(options) ? pace_.next(shear.voxel_pixels(), is_ready) : VolumeDetail{};
+  stats.level = detail.level;
+  stats.strips = detail.level == 0 && bytes > max_bytes;
   const auto built = [&] {
     stats.traversal = watch.lap();
     stats.select_ms += stats.traversal.wall_ms;
   };
   if (detail.level > 0) {
-    if (!means_ || !means_->fit(axis, detail.level, source.shade)) {
+    if (!means_ || !means_->fit(axis, detail.level, shade)) {
       means_.reset();
-      const SelectedRuns runs(source.plan, source.atlas.classes(), source.cache, axis);
-      means_.emplace(SpanRequest{runs, source.plan, source.appearances, source.atlas.classes(), grid,
-                                 source.cache, source.shade},
+      means_.emplace(SpanRequest{runs, plan, appearances, atlas.classes(), atlas.grid(), cache, shade},
                      detail.level, pool);
     }
     built();
     means_->light(view, lighting, pool);
     stats.traversal += watch.lap();
-    stats.runs_visited = means_->runs();
-    const Grid of_means = coarse_grid(grid, detail.level);
-    return {means_->model(), nullptr, factorise(view, of_means, &axis), of_means, detail};
+    const Grid of_means = coarse_grid(atlas.grid(), detail.level);
+    return {SheetSpans(means_->model()), nullptr, factorise(view, of_means, &axis), of_means, detail};
   }
   latest_ = axis;
-  std::optional<AxisSpans>& spans = spans_[static_cast<std::size_t>(axis)];
+  if (stats.strips) {
+    const std::uint64_t strips = bytes / std::max<std::uint64_t>(max_bytes, 1) + 1;
+    return {in_strips(source, std::move(runs), lighting, strips, pool), &*strip_runs_, shear, atlas.grid(),
+            detail};
+  }
   if (!spans) spans.emplace();
   spans->require(source, axis, pool);
   built();
-  spans->update_lighting(view, lighting, source.shade, options.cuts, grid, pool);
+  spans->update_lighting(view, lighting, shade, options.cuts, atlas.grid(), pool);
   stats.traversal += watch.lap();
-  stats.runs_visited = spans->runs().count();
-  return {spans->model(), &spans->runs(), shear, grid, detail};
+  return {SheetSpans(spans->model()), &spans->runs(), shear, atlas.grid(), detail};
+}
+
+SheetSpans SpanStore::in_strips(const SpanSource& source, SelectedRuns runs, const Lighting& lighting,
+                                std::uint64_t strips, ThreadPool& pool) {
+  const SelectedRuns& of_frame = strip_runs_.emplace(std::move(runs));
+  const SpanRequest request{
+      of_frame,     source.plan, source.appearances, source.atlas.classes(), source.atlas.grid(),
+      source.cache, source.shade};
+  strip_frame_ = empty_model(request);
+  strip_frame_.voxels = source.plan.volume_voxels + source.plan.hybrid_voxels;
+  return {strip_frame_, static_cast<std::size_t>(strips),
+          [this, request, &lighting, &pool](const SheetStrip& strip) -> const SpanModel& {
+            SpanRequest of_strip = request;
+            of_strip.strip.emplace(strip);
+            strip_ = {};
+            strip_.build(of_strip, pool);
+            if (request.shade) shade_spans(strip_.model(), lighting.table(), pool);
+            return strip_.model();
+          }};
 }
 
 /// Surfaces take as long with any detail of the volume.
@@ -180,6 +204,8 @@ void SpanStore::took(const RenderStats& stats, const RenderOptions& options) {
 
 void SpanStore::outdate() {
   means_.reset();
+  strip_ = {};
+  strip_runs_.reset();
   for (const Axis axis : kAxes) {
     std::optional<AxisSpans>& spans = spans_[static_cast<std::size_t>(axis)];
     if (!spans) continue;
@@ -191,18 +217,13 @@ void SpanStore::outdate() {
   }
 }
 
-void SpanStore::make_room(std::uint64_t bytes) {
-  for (std::optional<AxisSpans>& spans : spans_) {
-    if (spans && !spans->current(false) && spans->optical_bytes() > bytes) spans.reset();
-  }
-}
-
 void SpanStore::clear() {
-  means_.reset();
+  outdate();
   for (std::optional<AxisSpans>& spans : spans_) spans.reset();
 }
 
 const SelectedRuns* SpanStore::runs(Axis axis) const {
+  if (strip_runs_ && strip_runs_->axis() == axis) return &*strip_runs_;
   const std::optional<AxisSpans>& spans = spans_[static_cast<std::size_t>(axis)];
   return spans && spans->current(false) ? &spans->runs() : nullptr;
 }

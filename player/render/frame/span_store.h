@@ -27,7 +27,7 @@ struct SpanSource {
 
 /// The volume of a frame by sheets: spans of the voxels, or of downsampled ones.
 struct SheetVolume {
-  const SpanModel& spans;
+  SheetSpans spans;
   const SelectedRuns* runs;  ///< of the spans; null if downsampled
   Shear shear;               ///< of `grid`
   Grid grid;                 ///< of the spans
@@ -36,9 +36,6 @@ struct SheetVolume {
 
 /// True for drafts with a budget that need no exact depths.
 [[nodiscard]] bool may_be_rough(const RenderOptions& options);
-
-/// Upper bound of the memory of spans of this number of voxels.
-[[nodiscard]] std::uint64_t max_span_bytes(std::uint64_t voxels, const Atlas& atlas);
 
 /// Spans of the current or an earlier selection, with the lighting of one view. Not thread-safe.
 class AxisSpans {
@@ -57,7 +54,6 @@ class AxisSpans {
   /// The selected runs, while the spans are current.
   [[nodiscard]] const SelectedRuns& runs() const { return *runs_; }
   [[nodiscard]] const SpanModel& model() const { return spans_.model(); }
-  [[nodiscard]] std::uint64_t optical_bytes() const { return spans_.optical_bytes(); }
 
  private:
   std::optional<SelectedRuns> runs_;
@@ -73,29 +69,33 @@ class AxisSpans {
 class SpanStore {
  public:
   /// Prepares the volume of a frame: chooses its detail, builds spans unless they are current, and lights
-  /// them. Sets the traversal and counters of the statistics, and adds the time to build spans to
-  /// `select_ms`. Valid until the next call. Throws std::bad_alloc.
+  /// them. Spans that may take more than `max_bytes` are built strip by strip while the frame is drawn; all
+  /// arguments must outlive it. Sets the traversal and counters of the statistics, and adds the time to build
+  /// spans to `select_ms`. Valid until the next call. Throws std::bad_alloc.
   [[nodiscard]] SheetVolume prepare(const SpanSource& source, const ParallelView& view, const Shear& shear,
                                     const Lighting& lighting, const RenderOptions& options,
-                                    RenderStats& stats, ThreadPool& pool);
+                                    std::uint64_t max_bytes, RenderStats& stats, ThreadPool& pool);
   /// Records the times of the frame of the latest prepare().
   void took(const RenderStats& stats, const RenderOptions& options);
   /// Marks the spans of the latest axis as outdated, and frees the others. For a new plan.
   void outdate();
-  /// Frees outdated spans that take more than `bytes`.
-  void make_room(std::uint64_t bytes);
   void clear();
 
   /// Selected runs along an axis; null if its spans are not current.
   [[nodiscard]] const SelectedRuns* runs(Axis axis) const;
 
  private:
-  [[nodiscard]] VolumeDetail choose_detail(const SpanSource& source, const Shear& shear,
-                                           const RenderOptions& options, unsigned threads);
+  /// Spans of the voxels for sheets in so many strips.
+  [[nodiscard]] SheetSpans in_strips(const SpanSource& source, SelectedRuns runs, const Lighting& lighting,
+                                     std::uint64_t strips, ThreadPool& pool);
 
   std::array<std::optional<AxisSpans>, 3> spans_;
   Axis latest_ = Axis::kZ;
   std::optional<CoarseSpans> means_;  // of the current selection
+  // Of the latest frame, if it was drawn in strips
+  std::optional<SelectedRuns> strip_runs_;
+  SpanModel strip_frame_;
+  SpanBuilder strip_;  // of its latest strip
   DraftPace pace_;
 };
 

@@ -12,7 +12,7 @@
 #include "player/render/sheets/band.h"
 #include "player/render/sheets/ids/sheet_shares.h"
 #include "player/render/sheets/sheet_ends.h"
-#include "player/render/sheets/spans/span_model.h"
+#include "player/render/sheets/spans/sheet_spans.h"
 #include "player/render/sheets/splat/block_runs.h"
 
 namespace splatlas {
@@ -100,16 +100,18 @@ void begin_sheet(const SheetPass& pass, SheetImage& sheet) {
   std::fill_n(sheet.pixels.end() - static_cast<std::ptrdiff_t>(row_floats), row_floats, 0.0f);
 }
 
-/// Number of voxels, in the rows that overlap the window, of spans that are not removed as a whole.
+/// Number of voxels, in the rows that overlap fine rows [first_row, last_row) of the window, of spans that
+/// are not removed as a whole.
 template <class Clip>
-std::uint64_t count_voxels(const SheetPass& pass, const Clip& clip) {
+std::uint64_t count_voxels(const SheetPass& pass, const Clip& clip, std::int64_t first_row,
+                           std::int64_t last_row) {
   std::uint64_t voxels = 0;
   for (const SliceSpans& slice : pass.model.slices) {
     if (slice.spans.empty()) continue;
     const SliceRows rows(pass.shear, pass.window, static_cast<double>(slice.number));
     // The footprint of a voxel row extends to its neighbours: include one row on either side.
-    const std::int64_t first = rows.upper_from(pass.window.scale - 1, 0);
-    const std::int64_t last = rows.upper_from(0, pass.window.fine_rows()) + 1;
+    const std::int64_t first = rows.upper_from(pass.window.scale - 1, first_row);
+    const std::int64_t last = rows.upper_from(0, last_row) + 1;
     if (clip.keeps_slices() && first <= slice.first_row && last >= slice.last_row) {
       voxels += slice.voxels;
       continue;
@@ -127,8 +129,9 @@ std::uint64_t count_voxels(const SheetPass& pass, const Clip& clip) {
 
 /// Renders the bands in parallel. Returns the number of splatted voxels.
 template <class Trace, class Clip>
-std::uint64_t render_bands(const SheetPass& pass, const Clip& clip, typename Trace::Frame& frame,
-                           FragmentOrder& order, SheetImage& sheet, ThreadPool& pool) {
+std::uint64_t render_bands(const SheetPass& pass, const SheetSpans& spans, const Clip& clip,
+                           typename Trace::Frame& frame, FragmentOrder& order, SheetImage& sheet,
+                           ThreadPool& pool) {
   // Split the window into bands
   const SheetWindow& window = pass.window;
   const std::int64_t row_bytes =
@@ -142,39 +145,51 @@ std::uint64_t render_bands(const SheetPass& pass, const Clip& clip, typename Tra
   }
   frame.begin(window, band_rows);
 
-  pool.for_each(fragments.size(), [&](std::size_t n) {
+  const auto render_band = [&](const SheetPass& strip, std::size_t n) {
     // Reuse memory: page faults would cost more than the band
     static thread_local std::vector<float> floats;
     static thread_local Trace trace;
     const std::int64_t first = static_cast<std::int64_t>(n) * band_rows;
-    BandImage image(window, pass.model.emissions, first, std::min(first + band_rows, window.rows), floats);
+    BandImage image(window, strip.model.emissions, first, std::min(first + band_rows, window.rows), floats);
     trace.begin(frame, pass.shear, window, image, n);
     if (pass.ends == nullptr) {
-      Band(pass, clip, trace, image, fragments[n]).render();
+      Band(strip, clip, trace, image, fragments[n]).render();
     } else {
       BandEnds ends(*pass.ends, image);
-      Band(pass, clip, trace, image, ends).render();
+      Band(strip, clip, trace, image, ends).render();
       ends.restore();
     }
     image.store(sheet);
-  });
+  };
+  std::uint64_t voxels = 0;
+  spans.for_each_strip(
+      pass.shear, window.v0, fragments.size(), band_rows,
+      [&](const SpanModel& model, std::size_t first, std::size_t last) {
+        const SheetPass strip{model,          pass.shear, window, pass.kernels, pass.termination_threshold,
+                              pass.fragments, pass.ends};
+        pool.for_each(last - first, [&](std::size_t n) { render_band(strip, first + n); });
+        const auto fine_row = [&](std::size_t band) {
+          return std::min(static_cast<std::int64_t>(band) * band_rows, window.rows) * window.scale;
+        };
+        voxels += count_voxels(strip, clip, fine_row(first), fine_row(last));
+      });
   for (SheetFragments& of_band : fragments) of_band.merge();
   frame.finish(order);
-  return count_voxels(pass, clip);
+  return voxels;
 }
 
 }  // namespace
 
-std::uint64_t render_sheets(const SpanModel& model, const Shear& shear, const SheetWindow& window,
+std::uint64_t render_sheets(const SheetSpans& spans, const Shear& shear, const SheetWindow& window,
                             const SplatKernels& kernels, float termination_threshold,
                             std::span<const VoxelPlane> planes, FragmentOrder& fragments, SheetImage& image,
                             ThreadPool& pool, SharePass* shares, const SheetEnds* ends) {
-  const SheetPass pass{model, shear, window, kernels, termination_threshold, fragments, ends};
+  const SheetPass pass{spans.frame(), shear, window, kernels, termination_threshold, fragments, ends};
   begin_sheet(pass, image);
   const auto render = [&](const auto& clip) {
     NoTrace::Frame none;
-    return shares == nullptr ? render_bands<NoTrace>(pass, clip, none, fragments, image, pool)
-                             : render_bands<BandShares>(pass, clip, *shares, fragments, image, pool);
+    return shares == nullptr ? render_bands<NoTrace>(pass, spans, clip, none, fragments, image, pool)
+                             : render_bands<BandShares>(pass, spans, clip, *shares, fragments, image, pool);
   };
   if (planes.empty()) return render(NoClip());
   const ClipSlabs slabs(planes, shear, window, ImageRows::kMargin);

@@ -7,7 +7,7 @@
 #include "format/tasks/thread_pool.h"
 #include "player/render/clip/cut_rays.h"
 #include "player/render/sheets/fragment_order.h"
-#include "player/render/sheets/spans/span_model.h"
+#include "player/render/sheets/spans/sheet_spans.h"
 #include "player/render/sheets/splat/splat_kernels.h"
 #include "player/render/sheets/warp/sheet_image.h"
 #include "player/render/view/shear.h"
@@ -24,10 +24,11 @@ struct SharePass;
 /// interpolated at its centre. Early ray termination: blocks of pixels may stop at a transmittance of
 /// `termination_threshold`. Bands of rows are independent and run in parallel; the result does not depend on
 /// the number of threads. The planes of a cut clip the slabs (ClipSlabs). Returns the number of splatted
-/// voxels, each counted once; with a cut, of spans that are not removed as a whole. Cost: visible voxels *
+/// voxels, each counted once but for those at borders of strips; with a cut, of spans that are not removed as
+/// a whole. Cost: visible voxels *
 /// scale^2 * parts, plus fragments and pixels of the window. `shares`: also computes the shares of
 /// structures; null: not asked for. `ends`: rays end there, and there are no fragments; null: no ends.
-[[nodiscard]] std::uint64_t render_sheets(const SpanModel& model, const Shear& shear,
+[[nodiscard]] std::uint64_t render_sheets(const SheetSpans& spans, const Shear& shear,
                                           const SheetWindow& window, const SplatKernels& kernels,
                                           float termination_threshold, std::span<const VoxelPlane> planes,
                                           FragmentOrder& fragments, SheetImage& image, ThreadPool& pool,

@@ -22,24 +22,27 @@ constexpr std::size_t kRowsPerJob = 8;
 class SheetDepths {
  public:
   /// Covers the rays of the window.
-  SheetDepths(const SpanModel& model, const Shear& shear, const SheetWindow& window,
-              std::span<const VoxelPlane> planes)
-      : model_(model), shear_(shear), window_(window), columns_(window.columns) {
+  SheetDepths(const Shear& shear, const SheetWindow& window, std::span<const VoxelPlane> planes)
+      : shear_(shear), window_(window), columns_(window.columns) {
     for (const VoxelPlane& plane : planes) planes_.emplace_back(plane, shear);
   }
 
-  void find(ThreadPool& pool) {
+  void find(const SheetSpans& spans, ThreadPool& pool) {
     places_.assign(static_cast<std::size_t>(window_.rows) * static_cast<std::size_t>(columns_), kNowhere);
     const auto rows = static_cast<std::size_t>(window_.rows);
-    pool.for_each((rows + kRowsPerJob - 1) / kRowsPerJob, [&](std::size_t job) {
+    const auto find_rows = [&](const SpanModel& model, std::size_t job) {
       std::vector<float> depths(static_cast<std::size_t>(columns_));
       std::vector<float> mixed(static_cast<std::size_t>(columns_ + 3 * kBlock));
       std::vector<KeptPart> kept;
       const std::size_t end = std::min(rows, (job + 1) * kRowsPerJob);
       for (std::size_t row = job * kRowsPerJob; row < end; ++row) {
-        find_row(static_cast<std::int64_t>(row), depths, mixed, kept);
+        find_row(model, static_cast<std::int64_t>(row), depths, mixed, kept);
       }
-    });
+    };
+    spans.for_each_strip(shear_, window_.v0, (rows + kRowsPerJob - 1) / kRowsPerJob, kRowsPerJob,
+                         [&](const SpanModel& model, std::size_t first, std::size_t last) {
+                           pool.for_each(last - first, [&](std::size_t n) { find_rows(model, first + n); });
+                         });
   }
 
   /// Position at (u, v), bilinear, in voxels; kNowhere if any of the four neighbours has none.
@@ -91,14 +94,14 @@ class SheetDepths {
   }
 
   /// Traverses all slices for one row of the sheet, front to back.
-  void find_row(std::int64_t row, std::vector<float>& depths, std::vector<float>& mixed,
-                std::vector<KeptPart>& kept) {
+  void find_row(const SpanModel& model, std::int64_t row, std::vector<float>& depths,
+                std::vector<float>& mixed, std::vector<KeptPart>& kept) {
     std::fill(depths.begin(), depths.end(), 0.0f);
     clip_row(row, kept);
     float* places = &places_[static_cast<std::size_t>(row * columns_)];
-    const std::size_t count = model_.slices.size();
+    const std::size_t count = model.slices.size();
     for (std::size_t n = 0; n < count; ++n) {
-      const SliceSpans& slice = model_.slices[shear_.ascending ? n : count - 1 - n];
+      const SliceSpans& slice = model.slices[shear_.ascending ? n : count - 1 - n];
       if (slice.spans.empty()) continue;
       const auto k = static_cast<double>(slice.number);
       const double v = static_cast<double>(row + window_.v0) - shear_.v_shift(k);
@@ -185,7 +188,6 @@ class SheetDepths {
     }
   }
 
-  const SpanModel& model_;
   const Shear& shear_;
   const SheetWindow& window_;
   std::int64_t columns_;
@@ -195,12 +197,12 @@ class SheetDepths {
 
 }  // namespace
 
-void add_span_depths(const SpanModel& model, const Shear& shear, const ViewDepth& view,
+void add_span_depths(const SheetSpans& spans, const Shear& shear, const ViewDepth& view,
                      std::span<const VoxelPlane> planes, DepthMap& depths, ThreadPool& pool) {
-  const SheetWindow window = sheet_window(model, shear, depths.size, {});
+  const SheetWindow window = sheet_window(spans.frame(), shear, depths.size, {});
   if (window.empty()) return;
-  SheetDepths sheet(model, shear, window, planes);
-  sheet.find(pool);
+  SheetDepths sheet(shear, window, planes);
+  sheet.find(spans, pool);
   const Affine2& map = shear.picture_to_sheet;
   pool.for_each(static_cast<std::size_t>(depths.size.height), [&](std::size_t row) {
     const double y = static_cast<double>(row) + 0.5;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -39,6 +40,14 @@ void prefetch(std::size_t voxel, std::size_t voxels, const ClassCache& cache) {
 }
 
 }  // namespace
+
+std::pair<std::int64_t, std::int64_t> SheetStrip::rows_of(std::int64_t slice) const {
+  const double before = shear.v_shift(static_cast<double>(slice) - 1);
+  const double behind = shear.v_shift(static_cast<double>(slice) + 1);
+  const auto [least, most] = std::minmax(before, behind);
+  return {static_cast<std::int64_t>(std::floor(static_cast<double>(first) - most)) - 1,
+          static_cast<std::int64_t>(std::ceil(static_cast<double>(last) - least)) + 2};
+}
 
 bool SpanBuilder::ClassAppearances::differ(const ClassAppearances& other, ClassId c) const {
   const std::uint32_t mine = of_class[c], theirs = other.of_class[c];
@@ -113,9 +122,9 @@ void SpanBuilder::take_over(SpanModel& before, std::vector<bool>& changed) {
 }
 
 /// All blocks of the runs, and an empty block behind each of them.
-std::size_t SpanBuilder::max_floats(const SelectedRuns& runs, std::int64_t slice) const {
+std::size_t SpanBuilder::max_floats(const SpanRequest& request, std::int64_t slice) const {
   std::int64_t blocks = 0;
-  runs.for_each(slice, [&](const ClassRun& run, std::uint32_t) { blocks += run.length / kBlock + 3; });
+  request.for_each_run(slice, [&](const ClassRun& run, std::uint32_t) { blocks += run.length / kBlock + 3; });
   return static_cast<std::size_t>(blocks * kBlock * (1 + model_.emissions));
 }
 
@@ -147,7 +156,7 @@ void SpanBuilder::write_slice(const SpanRequest& request, std::int64_t slice, Vo
 
   // Merge adjacent runs into pieces
   Piece piece;
-  request.runs.for_each(slice, [&](const ClassRun& run, std::uint32_t) {
+  request.for_each_run(slice, [&](const ClassRun& run, std::uint32_t) {
     const std::uint32_t appearance = appearances_.of_class[run.id];
     if (piece.goes_on(run, appearance)) {
       piece.length += run.length;
@@ -181,18 +190,23 @@ void set_appearances(const DrawPlan& plan, std::span<const VolumeAppearance> app
   model.mean_densest_per_mm = voxels > 0 ? extinctions / voxels : 0;
 }
 
-void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
-  // Set the model's frame and appearances
+SpanModel empty_model(const SpanRequest& request) {
   const SelectedRuns& runs = request.runs;
-  SpanModel before = std::exchange(model_, {});
-  model_.axis = runs.axis();
-  set_appearances(request.plan, request.appearances.appearances(), request.classes, model_);
-  model_.scan_first = runs.box().first[0];
-  model_.scan_voxels = runs.scan_voxels();
-  model_.row_first = runs.box().first[1];
-  model_.rows = runs.rows();
-  model_.slice_first = runs.box().first[2];
-  model_.slice_count = runs.slices();
+  SpanModel model;
+  model.axis = runs.axis();
+  model.scan_first = runs.box().first[0];
+  model.scan_voxels = runs.scan_voxels();
+  model.row_first = runs.box().first[1];
+  model.rows = runs.rows();
+  model.slice_first = runs.box().first[2];
+  model.slice_count = runs.slices();
+  set_appearances(request.plan, request.appearances.appearances(), request.classes, model);
+  return model;
+}
+
+void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
+  const SelectedRuns& runs = request.runs;
+  SpanModel before = std::exchange(model_, empty_model(request));
   for (const std::int64_t slice : runs.occupied()) model_.slices.emplace_back().number = slice;
   const ClassAppearances appearances_before =
       std::exchange(appearances_, class_appearances(request, model_.emissions > 1));
@@ -215,7 +229,7 @@ void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
       std::size_t shaded = 0;  // of the slice before, which is usually similar
       for (std::size_t n = first; n < std::min(first + kSlicesAtOnce, to_build.size()); ++n) {
         SliceSpans& slice = model_.slices[to_build[n]];
-        slice.optics = arena_.lend(max_floats(runs, slice.number));
+        slice.optics = arena_.lend(max_floats(request, slice.number));
         slice.shaded.reserve(shaded + shaded / 8);
         write_slice(request, slice.number, lighter, slice);
         shaded = slice.shaded.size();

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "format/tasks/thread_pool.h"
 #include "player/render/decode/selected_runs.h"
 #include "player/render/light/voxel_light.h"
+#include "player/render/sheets/spans/sheet_spans.h"
 #include "player/render/sheets/spans/span_model.h"
 #include "player/render/transfer/volume_appearances.h"
 
@@ -25,8 +27,20 @@ struct SpanRequest {
   const ClassTable& classes;
   const Grid& grid;
   const ClassCache& cache;
-  bool shade = true;  ///< list lit voxels for shade_spans()
+  bool shade = true;                               ///< list lit voxels for shade_spans()
+  std::optional<SheetStrip> strip = std::nullopt;  ///< of the voxels; none: all
+
+  /// Calls take(run, index into the plan's classes) for the runs of a slice of the grid.
+  template <typename Take>
+  void for_each_run(std::int64_t slice, const Take& take) const {
+    if (!strip) return runs.for_each(slice, take);
+    const auto [first, last] = strip->rows_of(slice);
+    runs.for_each(slice, first, last, take);
+  }
 };
+
+/// A model without slices: the box and the appearances of a request.
+[[nodiscard]] SpanModel empty_model(const SpanRequest& request);
 
 /// Builder of the spans of successive selections, for one principal axis. Not thread-safe.
 class SpanBuilder {
@@ -34,8 +48,8 @@ class SpanBuilder {
   /// Looks up the optical properties of every selected voxel (pre-classification) and packs them into spans.
   /// Voxels without extinction are omitted. Slices whose classes keep their appearance remain unchanged, with
   /// their shading; rebuilt slices are unshaded. All requests must share one atlas, axis and
-  /// VolumeAppearances. Cost: linear in the selected voxels and decoded runs of the changed slices, which are
-  /// built in parallel. Throws std::bad_alloc.
+  /// VolumeAppearances, and have no strip; one with a strip needs a new builder. Cost: linear in the selected
+  /// voxels and decoded runs of the changed slices, which are built in parallel. Throws std::bad_alloc.
   void build(const SpanRequest& request, ThreadPool& pool);
 
   [[nodiscard]] const SpanModel& model() const { return model_; }
@@ -69,7 +83,7 @@ class SpanBuilder {
   void take_over(SpanModel& before, std::vector<bool>& changed);
   void write_slice(const SpanRequest& request, std::int64_t slice, VoxelLighter& lighter,
                    SliceSpans& out) const;
-  [[nodiscard]] std::size_t max_floats(const SelectedRuns& runs, std::int64_t slice) const;
+  [[nodiscard]] std::size_t max_floats(const SpanRequest& request, std::int64_t slice) const;
 
   SpanModel model_;
   OpticalArena arena_;  // of the model's optical properties

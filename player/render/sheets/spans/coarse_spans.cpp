@@ -176,10 +176,9 @@ Grid coarse_grid(const Grid& grid, int level) {
 
 CoarseSpans::CoarseSpans(const SpanRequest& request, int level, ThreadPool& pool)
     : level_(level), shaded_(request.shade), runs_(request.runs.count()) {
-  // Set the model's frame and appearances
+  // Frame the blocks
   const SelectedRuns& runs = request.runs;
-  model_.axis = runs.axis();
-  set_appearances(request.plan, request.appearances.appearances(), request.classes, model_);
+  model_ = empty_model(request);
   const IndexBox& box = runs.box();
   if (runs.count() == 0) return;
   const BlockRange scan(box.first[0], box.last[0], level), rows(box.first[1], box.last[1], level),

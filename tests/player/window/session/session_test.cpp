@@ -8,7 +8,6 @@
 
 #include "format/atlas_writer.h"
 #include "player/camera_moves.h"
-#include "player/render/sheets/spans/span_model.h"
 #include "tests/player/window/session_desk.h"
 #include "tests/support/run_program.h"
 
@@ -157,22 +156,18 @@ TEST_F(SessionTest, AnEditTakesTheMessageAboutTheTextAway) {
 }
 
 TEST_F(SessionTest, ASelectionThatCannotBeRenderedGivesWayToTheLatestThatCould) {
-  // Enough memory for the volume of the small ball in a small picture, too little for the large one.
-  constexpr PictureSize kSmall{12, 8};
-  const std::uint64_t enough = span_model_bytes(437 + 464, 437 + 464) + picture_bytes(kSmall);
-  ASSERT_LT(enough, span_model_bytes(2705 + 1440, 437 + 464));
-  Desk desk(atlas(), {.threads = 1, .max_memory_bytes = enough});
-  desk->resize(kSmall);
-  desk.until([&] { return desk->status().error; });
-  EXPECT_EQ(desk->editor().text(), "");  // nothing was rendered before
+  // Enough memory for volumes in a small picture, too little for translucent surfaces.
+  constexpr std::uint64_t kEnough = 6000;
+  Desk desk(atlas(), {.threads = 1, .max_memory_bytes = kEnough});
+  desk->resize({12, 8});
   desk->apply_text("Sphere_2");
   desk.until_done();
   EXPECT_FALSE(is_black(*desk->frame()));
   EXPECT_EQ(desk->status().text, "");
 
-  desk->editor().set_mode(kSpheres, DrawMode::kVolume);
+  desk->apply_text("Sphere_2 + Sphere_1:surface(opacity=0.5)");
   desk.until([&] { return desk->status().error; });
-  EXPECT_THAT(desk->status().text, testing::HasSubstr("are allowed"));
+  EXPECT_THAT(desk->status().text, testing::HasSubstr("more than 7 fragments"));
   EXPECT_EQ(desk->editor().text(), "Sphere_2");
   EXPECT_FALSE(desk->editor().can_redo());
   desk.until_done();
