@@ -51,7 +51,7 @@ Result<void> check_writable_folder(const fs::path& path) {
   const fs::file_status status = fs::status(target, error);
   if (status.type() == fs::file_type::none) return cannot_write(path, error.message());
   if (fs::exists(status) && !(fs::is_directory(status) && fs::is_empty(target, error)))
-    return cannot_write(path, "it exists and is not an empty folder");
+    return cannot_write(path, "it exists and is not an empty folder; name a new one");
   return check_folder_of(target);
 }
 

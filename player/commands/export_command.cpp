@@ -169,7 +169,7 @@ CLI::App* add_export(CLI::App& app, ExportRequest& request) {
   command->parse_complete_callback([&request, command] {
     if (request.html.empty() && request.site.empty())
       throw CLI::ValidationError("export", "needs --html OUT.html or --site FOLDER");
-    if (request.atlases.size() == 1) return;
+    if (request.atlases.size() == 1 || command->remaining_size() > 0) return;  // these are told next
     for (const char* option : {"--html", "--select", "--scene", "--view"}) {
       if (command->get_option(option)->count() > 0)
         throw CLI::ValidationError(option, "goes with one atlas; leave it out, or name one");

@@ -23,7 +23,7 @@ struct HtmlPage {
 
 /// The bytes of the file. Texts are escaped; the content security policy allows the page's own script, style
 /// and workers alone, by their SHA-256. kFailed if this program was built without the WebAssembly module,
-/// with the remedy. Memory: twice the atlas.
+/// with the remedy. Memory: four times the atlas.
 [[nodiscard]] Result<std::string> encode_html(const HtmlPage& page);
 
 /// An atlas in a catalogue.

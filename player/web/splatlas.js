@@ -52,6 +52,7 @@ function importsOf(memory) {
 class Splatlas {
   #wasm;
   #values = 0;  // of the latest picture
+  #cuts = [];
 
   /** @param {WebAssembly.Instance} instance see load() */
   constructor(instance) {
@@ -108,7 +109,7 @@ class Splatlas {
 
   /** What the atlas holds: the document of `splatlas-player info --json`. `structures` are in the order of their
    * indices, with id, name, parents (ids), color, voxels, triangles and terms (synonyms, languages, codes); `scenes`
-   * have name, caption, select, azimuth, elevation and zoom; `views` name, azimuth and elevation; `display` the window of
+   * have name, question, caption, select, azimuth, elevation, zoom, cuts and center; `views` name, azimuth and elevation; `display` the window of
    * grey values and the bounding sphere; `provenance` title, citation and licence.
    * @returns {object} */
   info() {
@@ -136,6 +137,7 @@ class Splatlas {
   scene(n, width, height) {
     const scene = this.#answer('scene', n, width, height);
     this.camera = scene.camera;
+    this.#cuts = this.info().scenes[n].cuts;
     return scene;
   }
 
@@ -158,8 +160,17 @@ class Splatlas {
   /** Replaces the cuts, at most six: each removes the points p with normal.p > offset, in LPS mm.
    * @param {{normal: number[], offset: number}[]} planes */
   cut(planes) {
-    this.#wasm.splatlas_clear_cuts();
-    for (const {normal, offset} of planes) this.#call('cut', ...normal, offset);
+    const set = each => {
+      this.#wasm.splatlas_clear_cuts();
+      for (const {normal, offset} of each) this.#call('cut', ...normal, offset);
+    };
+    try {
+      set(planes);
+    } catch (error) {
+      set(this.#cuts);
+      throw error;
+    }
+    this.#cuts = [...planes];
   }
 
   /** Options of pictures.
@@ -171,10 +182,14 @@ class Splatlas {
   }
 
   /** Renders a picture.
+   * @param {number} width in pixels, an integer like the height
    * @param {'draft'|'normal'|'high'} quality
    * @returns {{width: number, height: number, data: Uint8ClampedArray, missing: string[]}} sRGB with straight alpha, as
    *   ImageData; `missing` tells what a damaged atlas lacks */
   render(width, height, quality = 'normal') {
+    for (const side of [width, height]) {
+      if (!Number.isInteger(side)) throw new SplatlasError('usage', `size: ${side}: must be an integer`);
+    }
     this.#setCamera();
     this.#values = 0;
     const missing = this.#answer('render', width, height, indexOf(kQualities, quality, 'quality'));

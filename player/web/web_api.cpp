@@ -138,8 +138,8 @@ Result<std::string> show_scene(std::uint32_t n, const PictureSize& size) {
   if (n >= scenes.size())
     return fail(ErrorCode::kNotFound, "scene {}: the atlas has {} scenes", n, scenes.size());
   const Scene& scene = scenes[n];
-  SPLATLAS_ASSIGN_OR_RETURN(const Json warnings, select(*renderer, scene.selection));
   SPLATLAS_ASSIGN_OR_RETURN(const SceneFraming framing, framing_of(scene, renderer->atlas()));
+  SPLATLAS_ASSIGN_OR_RETURN(const Json warnings, select(*renderer, scene.selection));
   player().camera = {.azimuth_deg = scene.azimuth_deg, .elevation_deg = scene.elevation_deg};
   player().options.cuts = framing.cuts;
   SPLATLAS_RETURN_IF_ERROR(fit(*renderer, size, std::nullopt, scene.zoom));

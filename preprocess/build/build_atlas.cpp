@@ -81,8 +81,8 @@ Result<std::vector<SceneFile>> read_all_scenes(const std::vector<fs::path>& path
     SPLATLAS_ASSIGN_OR_RETURN(SceneFile file, read_scenes(path));
     for (const Scene& scene : file.scenes) {
       if (names.insert(to_lower(scene.name)).second) continue;
-      return fail(ErrorCode::kFailed, "{}: scene {}: another file has one of this name", path.string(),
-                  in_quotes(scene.name));
+      return fail(ErrorCode::kFailed, "{}: scene {}: another file has one of this name; rename one",
+                  path.string(), in_quotes(scene.name));
     }
     files.push_back(std::move(file));
   }

@@ -84,7 +84,7 @@ TEST_F(Scenes, TellWhatIsWrong) {
         {{"--scene", "nowhere.toml"}, "nowhere.toml: scene \"A\": "},
         {{"--scene", "none.toml"}, "none.toml"},
         {{"--scene", "lesson.toml", "--scene", "same.toml"},
-         "same.toml: scene \"two slabs\": another file has one of this name"}}) {
+         "same.toml: scene \"two slabs\": another file has one of this name; rename one"}}) {
     const ProgramResult result = build(options);
     EXPECT_EQ(result.status, 1);
     EXPECT_THAT(result.err, HasSubstr(message));

@@ -129,8 +129,8 @@ SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& vie
   const std::uint64_t voxels = plan.volume_voxels + plan.hybrid_voxels;
   const std::uint64_t bytes = span_model_bytes(voxels, std::min(runs.count(), voxels));
   std::optional<AxisSpans>& spans = spans_[static_cast<std::size_t>(axis)];
-  const auto axes =
-      static_cast<std::uint64_t>(std::ranges::count_if(spans_, &std::optional<AxisSpans>::has_value));
+  const auto axes = static_cast<std::uint64_t>(
+      std::ranges::count_if(spans_, [](const auto& each) { return each.has_value(); }));
   if ((spans ? axes : axes + 1) * bytes > max_bytes) {
     for (const Axis other : kAxes) {
       if (other != axis || bytes > max_bytes) spans_[static_cast<std::size_t>(other)].reset();

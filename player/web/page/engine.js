@@ -11,10 +11,19 @@ function block(id) {
   return document.getElementById(id).textContent.trim();
 }
 
-function bytesOfBase64(text) {
+/** The bytes of a data block of the page, which is removed: a page needs its atlas once. */
+function takeBytes(id) {
+  const text = block(id);
+  document.getElementById(id).textContent = '';
   if (Uint8Array.fromBase64) return Uint8Array.fromBase64(text);
-  return Uint8Array.from(atob(text), character => character.charCodeAt(0));
+  const characters = atob(text);
+  const bytes = new Uint8Array(characters.length);
+  for (let n = 0; n < bytes.length; ++n) bytes[n] = characters.charCodeAt(n);
+  return bytes;
 }
+
+/** The atlas could not be loaded from its server. */
+class LoadError extends Error {}
 
 /** A file beside the page, on a server that may answer with ranges. Fetches each piece once. */
 class RemoteFile {
@@ -33,8 +42,8 @@ class RemoteFile {
     const response = await this.#request(0, kFirstPiece);
     const bytes = new Uint8Array(await response.arrayBuffer());
     if (response.status === 200) return bytes;
-    this.size = Number(response.headers.get('Content-Range').split('/')[1]);
-    if (!Number.isInteger(this.size)) throw new Error(`${this.#url}: the server does not tell its size`);
+    this.size = Number(response.headers.get('Content-Range')?.split('/')[1]);
+    if (!Number.isInteger(this.size)) throw new LoadError(`${this.#url}: the server does not tell its size`);
     this.#first = bytes;
     return null;
   }
@@ -54,7 +63,7 @@ class RemoteFile {
     const response = await this.#request(offset, bytes);
     const piece = new Uint8Array(await response.arrayBuffer());
     if (response.status !== 206 || piece.length !== bytes)
-      throw new Error(`${this.#url}: another answer than ${bytes} bytes`);
+      throw new LoadError(`${this.#url}: another answer than ${bytes} bytes`);
     return piece;
   }
 
@@ -63,14 +72,15 @@ class RemoteFile {
     try {
       response = await fetch(this.#url, {headers: {Range: `bytes=${offset}-${offset + bytes - 1}`}});
     } catch {
-      throw new Error(`${this.#url}: no answer; the page must come from a web server`);
+      throw new LoadError(`${this.#url}: no answer; the page must come from a web server`);
     }
-    if (!response.ok) throw new Error(`${this.#url}: the server answers ${response.status}`);
+    if (!response.ok) throw new LoadError(`${this.#url}: the server answers ${response.status}`);
     return response;
   }
 }
 
-/** Draws the newest state by workers. Calls the handlers {ready, picture, drawn, picked, measured, error, stopped}. */
+/** Draws the newest state by workers. Calls the handlers {ready, picture, drawn, picked, measured, told, error,
+ * stopped}: `told` is an error beside the picture, `error` one in its place. */
 class Engine {
   #handlers;
   #module = null;
@@ -83,7 +93,7 @@ class Engine {
   #asked = 0;     // serial number of the latest refinement that a worker was asked for
   #refined = 0;   // and of the latest that has come
   #timer = 0;
-  #restarts = 0;
+  #restarts = [0, 0];  // of each worker, since its latest picture
   #isReady = false;
 
   constructor(handlers) {
@@ -92,7 +102,7 @@ class Engine {
 
   /** Compiles the module and starts the workers. Rejects where the browser lacks something. */
   async start() {
-    const packed = new Blob([bytesOfBase64(block('module'))]);
+    const packed = new Blob([takeBytes('module')]);
     const unpacked = new Response(packed.stream().pipeThrough(new DecompressionStream('gzip')));
     this.#module = await WebAssembly.compile(await unpacked.arrayBuffer());
     const {url} = document.getElementById('atlas').dataset;
@@ -100,14 +110,15 @@ class Engine {
       this.#remote = new RemoteFile(url);
       this.#atlas = await this.#remote.start();
     } else {
-      this.#atlas = bytesOfBase64(block('atlas'));
+      this.#atlas = takeBytes('atlas');
     }
     this.#source = URL.createObjectURL(new Blob([block('worker')], {type: 'text/javascript'}));
     const count = navigator.hardwareConcurrency === 1 ? 1 : 2;
     for (let n = 0; n < count; ++n) this.#workers.push(this.#begin(n));
   }
 
-  /** Draws a state: {select, cuts, camera, fit, size, depthCue}. A draft at once, and a finished picture after it. */
+  /** Draws a state: {select, cuts, camera, size, depthCue}. A draft at once, and a finished picture after it. A camera
+   * with `fit`, {structure, zoom, center}, is fitted first. */
   show(state) {
     const isNew = state.select !== this.#state?.select;
     this.#state = state;
@@ -151,10 +162,11 @@ class Engine {
     if (n === 0 && message.drawn) this.#handlers.drawn(message.drawn);
     if (message.type === 'picked') return this.#handlers.picked(message.picked);
     if (message.type === 'measured') return this.#handlers.measured(message.zoom);
+    if (message.type === 'error' && message.of !== 'draw') return this.#handlers.told(message.message);
     if (message.serial !== this.#serial) return this.#takeOld(message);
     if (message.type === 'error') return this.#handlers.error(message.message);
-    this.#restarts = 0;
-    if (message.isFitted) this.#state = {...this.#state, camera: message.camera, fit: null};
+    this.#restarts[n] = 0;
+    if (message.isFitted) this.#state = {...this.#state, camera: message.camera};
     const isDraft = message.quality === 'draft';
     if (!isDraft) this.#refined = this.#serial;
     if (!isDraft || this.#refined !== this.#serial) this.#handlers.picture(message);
@@ -193,7 +205,7 @@ class Engine {
   /** Replaces a worker whose module has failed. */
   #restart(n, reason) {
     this.#workers[n].terminate();
-    if (++this.#restarts > kMaxRestarts) return this.#handlers.stopped(reason);
+    if (++this.#restarts[n] > kMaxRestarts) return this.#handlers.stopped(reason);
     this.#handlers.error(reason);
     this.#workers[n] = this.#begin(n);
     return undefined;

@@ -111,8 +111,25 @@ class Model {
     this.state = {...this.state, ...state};
   }
 
-  canUndo() {
-    return this.#undo.length > 0;
+  /** The next change is a step of its own. */
+  endGesture() {
+    if (this.#undo.length > 0) this.#undo.at(-1).gesture = null;
+  }
+
+  /** Number of steps that can be undone. */
+  steps() {
+    return this.#undo.length;
+  }
+
+  /** Forgets steps beyond the first `steps`. */
+  forgetSteps(steps) {
+    this.#undo.length = Math.min(this.#undo.length, steps);
+  }
+
+  /** True if the selection is not that of the present scene. */
+  differsFromScene() {
+    const {scene, base, edits} = this.state;
+    return scene !== null && (edits.length > 0 || base.trim() !== this.info.scenes[scene].select.trim());
   }
 
   /** Goes one step back. @returns {?object} the camera of that state if it was another scene */
@@ -130,17 +147,29 @@ class Model {
     return [...this.state.edits.filter(edit => !replaced.has(edit.index)), ...added];
   }
 
-  /** Sets the mode of a subtree. */
+  /** Sets the mode of a subtree. A structure keeps its colour, also through ghosts, which have one of their own. */
   setMode(index, mode, camera) {
+    const before = this.mode(index);
     const {opacity, color} = this.appearance(index);
-    const isOn = this.mode(index) !== 'off';
-    const hasOneColor = isOn && this.#children[index].length === 0 && ![mode, this.mode(index)].includes('ghost');
-    const keeps = hasOneColor && this.mode(index) === mode;
+    const hasColor = this.#children[index].length === 0 && !['off', 'ghost'].includes(before);
+    const edited = this.state.edits.find(edit => edit.index === index);
+    const own = hasColor ? color : edited?.own ?? this.structures[index].color;
     const edit = {
-      index, mode, opacity: keeps ? opacity : null,
-      color: hasOneColor && color !== this.structures[index].color ? color : null,
+      index, mode, own, opacity: hasColor && before === mode ? opacity : null,
+      color: mode !== 'ghost' && own !== this.structures[index].color ? own : null,
     };
     this.change({edits: this.#edited([edit])}, camera);
+  }
+
+  /** Hides a subtree, or shows it again as it was. */
+  toggle(index, camera) {
+    const {edits} = this.state;
+    const hidden = edits.find(edit => edit.index === index && edit.replaced);
+    if (hidden) return this.change({edits: [...edits.filter(edit => edit !== hidden), ...hidden.replaced]}, camera);
+    if (this.mode(index) === 'off') return this.setMode(index, 'surface', camera);
+    const kept = this.#edited([{index, mode: 'off'}]);
+    const replaced = edits.filter(edit => !kept.includes(edit));
+    return this.change({edits: [...kept.slice(0, -1), {...kept.at(-1), replaced}]}, camera);
   }
 
   /** Sets opacity or colour of what is drawn in a subtree. */

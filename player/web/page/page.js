@@ -8,8 +8,9 @@ const kSlowMs = 1000;  // without a picture until the page says so
 const kKeys = [
   ['Arrows', 'turn (in the picture)'], ['Shift + arrows', 'move'], ['+ −', 'zoom'],
   ['1 … 6', 'anterior, posterior, left, right, superior, inferior'], ['F', 'fit the picture to what is shown'],
-  ['N, P', 'answer or next scene, and previous scene'], ['/', 'search'], ['I', 'isolate the chosen structure'],
-  ['H', 'hide or show it'], ['A', 'show all'], ['U', 'undo'],
+  ['N, P', 'answer or next scene, and previous scene; also Page down, Page up'], ['/', 'search'],
+  ['I', 'isolate the chosen structure'], ['H', 'hide or show it'], ['A', 'show all'], ['U', 'undo; also Ctrl + Z'],
+  ['Arrows, Enter, blank', 'walk, choose, hide or show (in the tree)'],
 ];
 
 class Page {
@@ -20,6 +21,7 @@ class Page {
     drawn: drawn => this.#takeDrawn(drawn),
     picked: picked => this.#takePick(picked),
     measured: zoom => this.#copyScene(zoom),
+    told: text => this.#tell(text),
     error: text => this.#takeError(text),
     stopped: text => this.#stopFor(text),
   });
@@ -33,19 +35,19 @@ class Page {
   #inspector = null;
   #scenes = null;
   #cuts = null;
-  #fit = null;        // {structure, zoom} until the workers have fitted the camera
-  #lastGood = null;   // the latest state that was drawn
+  #lastGood = null;   // {state, camera, steps} of the latest that was drawn
   #messageTimer = 0;
   #slowTimer = 0;     // runs until the next picture
 
   async start() {
-    window.addEventListener('error', event => this.#stopFor(event.message));
+    window.addEventListener('error', event => this.#tell(`Something has failed in this page: ${event.message}`));
     startTabs();
     this.#startDisplay();
     try {
       await this.#engine.start();
     } catch (error) {
-      this.#stop(`This browser cannot run the player: ${error.message}. The picture is the opening one.`);
+      const failed = error instanceof LoadError ? 'The atlas cannot be loaded' : 'This browser cannot run the player';
+      this.#stop(`${failed}: ${error.message}. The picture is the opening one.`);
     }
   }
 
@@ -70,14 +72,19 @@ class Page {
     const {select, scene} = this.#opening;
     model.state = {...model.state, ...(scene === null ? {base: select} : model.sceneState(scene))};
     if (!this.#followLink()) this.#changed();
+    model.forgetSteps(0);
+    byId('undo').disabled = true;
     byId('canvas').hidden = false;
   }
 
   /** The selection or the cuts have changed. */
   #changed() {
-    this.#scenes.mark(this.#model.state.scene, this.#model.state.isAsking);
+    const {scene, isAsking} = this.#model.state;
+    this.#scenes.mark(scene, isAsking, this.#model.differsFromScene());
     this.#cuts.update();
-    byId('undo').disabled = !this.#model.canUndo();
+    const isFirst = this.#model.steps() === 0;
+    if (isFirst && document.activeElement === byId('undo')) byId('canvas').focus();
+    byId('undo').disabled = isFirst;
     byId('selection-text').value = this.#model.selection();
     this.#show();
   }
@@ -86,11 +93,10 @@ class Page {
   #show() {
     const stage = this.#stage;
     if (stage.camera === null) return;
-    stage.mark();
     byId('perspective').checked = Camera.isPerspective(stage.camera);
     this.#slowTimer ||= setTimeout(() => { byId('loading').hidden = false; }, kSlowMs);
     this.#engine.show({
-      select: this.#model.selection(), cuts: this.#model.state.cuts, camera: stage.camera, fit: this.#fit,
+      select: this.#model.selection(), cuts: this.#model.state.cuts, camera: stage.camera,
       size: stage.pictureSize(), depthCue: byId('depth-cue').checked,
     });
   }
@@ -106,8 +112,9 @@ class Page {
   #showScene(n) {
     const scene = this.#model.info.scenes[n];
     this.#model.change(this.#model.sceneState(n), this.#stage.camera);
-    this.#stage.camera = {azimuth: scene.azimuth, elevation: scene.elevation, zoom: 1};
-    this.#fit = {structure: -1, zoom: scene.zoom, center: scene.center};
+    const {azimuth, elevation, zoom, center} = scene;
+    const {projection} = this.#stage.camera;
+    this.#stage.camera = {azimuth, elevation, zoom: 1, projection, fit: {structure: -1, zoom, center}};
     byId('picked').replaceChildren();
     this.#changed();
   }
@@ -118,25 +125,27 @@ class Page {
   }
 
   #fitSelection() {
-    this.#fit = {structure: -1, zoom: 1};
-    this.#show();
+    this.#turnTo({fit: {structure: -1, zoom: 1}});
   }
 
   #takePicture(message) {
-    if (message.isFitted && !message.isOld && this.#fit) {
-      this.#fit = null;
+    if (message.isFitted && !message.isOld && this.#stage.camera.fit) {
       const {azimuth, elevation} = this.#stage.camera;
       this.#stage.camera = {...message.camera, azimuth, elevation};
-      this.#stage.mark();
     }
     this.#stage.draw(message);
     byId('opening-picture').hidden = true;
     this.#endWait();
-    if (message.missing.length > 0) this.#tell(message.missing[0]);
+    const [note] = [...message.missing, ...message.warnings];
+    if (note) this.#tell(note);
     if (message.isOld) return;
-    this.#lastGood = this.#model.state;
+    this.#lastGood = {state: this.#model.state, camera: this.#stage.camera, steps: this.#model.steps()};
     document.body.dataset.quality = message.quality;
-    if (message.quality !== 'draft') this.#writeLink();
+    if (message.quality === 'draft') return;
+    this.#writeLink();
+    if (message.data.some((value, n) => n % 4 === 3 && value > 0)) return;
+    const isOff = this.#model.drawn.every(([mode]) => mode === 'off');
+    this.#tell(`The picture is empty: ${isOff ? 'nothing is selected' : 'the cuts or the view leave nothing'}.`);
   }
 
   #takeDrawn(drawn) {
@@ -157,16 +166,21 @@ class Page {
     return undefined;
   }
 
-  /** Tells an error, and returns to what was drawn before. */
+  /** Tells an error, and returns to what was drawn before. A text that was typed stays in its box. */
   #takeError(text) {
     this.#tell(text);
     this.#endWait();
-    if (this.#model === null) return;
-    const good = this.#lastGood ?? {...this.#model.state, base: this.#opening.select, edits: [], scene: null, isAsking: false};
-    if (this.#model.state === good) return;
-    this.#model.state = good;
-    this.#lastGood = good;
+    const model = this.#model;
+    if (model === null) return;
+    const {camera, select} = this.#opening;
+    const opening = {base: select, edits: [], cuts: [], scene: null, isAsking: false};
+    const good = this.#lastGood ?? {state: opening, camera, steps: 0};
+    if (model.state === good.state && this.#stage.camera === good.camera) return;
+    const typed = model.state.edits.length === 0 ? model.state.base : null;
+    [model.state, this.#stage.camera, this.#lastGood] = [good.state, good.camera, good];
+    model.forgetSteps(good.steps);
     this.#changed();
+    if (typed !== null) byId('selection-text').value = typed;
   }
 
   #tell(text) {
@@ -183,10 +197,11 @@ class Page {
     clearTimeout(this.#messageTimer);
     this.#endWait();
     document.body.dataset.stopped = 'true';
+    for (const part of ['views', 'scenes', 'panel', 'undo', 'show-all']) byId(part).inert = true;
   }
 
   #stopFor(reason) {
-    this.#stop(`The player has stopped: ${reason}. Load the page again, or export it anew.`);
+    this.#stop(`The player has stopped: ${reason.replace(/\.$/, '')}. Load the page again, or export it anew.`);
   }
 
   #startViews(views) {
@@ -216,7 +231,7 @@ class Page {
     byId('search').addEventListener('input', event => {
       const found = this.#model.search(event.target.value);
       this.#tree.show(found);
-      byId('found').textContent = found === null ? '' : `${found.length} structures found`;
+      byId('found').textContent = found === null ? '' : `Structures found: ${found.length}`;
     });
     byId('search').addEventListener('keydown', event => {
       if (event.key !== 'ArrowDown' && event.key !== 'Enter') return;
@@ -238,20 +253,26 @@ class Page {
     byId('perspective').addEventListener('change',
       event => this.#turnTo({projection: event.target.checked ? 'perspective' : 'parallel'}));
     byId('print').addEventListener('click', () => print());
+    byId('skip').addEventListener('click', event => {
+      event.preventDefault();
+      this.#openSearch();
+    });
     byId('copy-link').addEventListener('click', async () => {
-      this.#writeLink();
-      await this.#copy(location.href, 'The link is copied.', 'The link is in the address bar.');
+      if (!this.#writeLink()) return this.#tell('The selection is too long for a link. Copy its text, or a scene.');
+      return this.#copy(location.href, 'The link is copied.', 'The link is in the address bar.');
     });
     byId('copy-scene').addEventListener('click', () => this.#engine.measure());
   }
 
-  /** Puts a text into the clipboard, and tells so. */
+  /** Puts a text into the clipboard, and tells so. @returns {boolean} false where the browser does not let it */
   async #copy(text, done, otherwise) {
     try {
       await navigator.clipboard.writeText(text);
       this.#tell(done);
+      return true;
     } catch {
       this.#tell(otherwise);
+      return false;
     }
   }
 
@@ -265,14 +286,17 @@ class Page {
     if (center) lines.push(`center = "${center.map(round)}"`);
     const cuts = this.#model.state.cuts.map(({normal, offset}) => `"${[...normal, round(offset)]}"`);
     if (cuts.length > 0) lines.push(`cuts = [${cuts.join(', ')}]`);
-    await this.#copy(`${lines.join('\n')}\n`, 'The scene is copied. Paste it into the file of build --scene.',
-      'This browser does not let the page copy.');
+    const text = `${lines.join('\n')}\n`;
+    const parallel = Camera.isPerspective(this.#stage.camera) ? ' Scenes have no perspective.' : '';
+    if (await this.#copy(text, `The scene is copied. Paste it into the file of build --scene.${parallel}`,
+      `This browser does not let the page copy. The scene is in the box of the selection.${parallel}`)) return;
+    byId('selection-text').value = text;
+    byId('selection-text').select();
   }
 
   #undo() {
     const camera = this.#model.undo();
     if (camera) this.#stage.camera = camera;
-    this.#fit = null;
     this.#changed();
   }
 
@@ -311,13 +335,15 @@ class Page {
     const keys = {
       n: () => this.#scenes.step(1), p: () => this.#scenes.step(-1),
       PageDown: () => this.#scenes.step(1), PageUp: () => this.#scenes.step(-1),
-      f: () => this.#fitSelection(), u: () => this.#undo(), z: () => this.#undo(), a: () => this.#showAll(),
+      f: () => this.#fitSelection(), u: () => this.#undo(), a: () => this.#showAll(),
+      '+': () => this.#stage.zoom(kZoomStep), '=': () => this.#stage.zoom(kZoomStep),
+      '-': () => this.#stage.zoom(1 / kZoomStep),
       i: () => this.#inspector.isolate(), h: () => this.#inspector.toggle(this.#inspector.index),
       '/': () => this.#openSearch(),
     };
-    const act = view ? () => this.#turnTo({azimuth: view.azimuth, elevation: view.elevation}) :
+    const act = isUndo ? keys.u : view ? () => this.#turnTo({azimuth: view.azimuth, elevation: view.elevation}) :
       keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
-    if (!act || (event.key.startsWith('Page') && event.target.closest('#panel'))) return;
+    if (!act || (event.key.startsWith('Page') && event.target.closest('input'))) return;
     event.preventDefault();
     act();
   }
@@ -327,7 +353,7 @@ class Page {
     byId('search').focus();
   }
 
-  /** Puts the state into the address: selection, camera and cuts. */
+  /** Puts the state into the address: selection, camera and cuts. @returns {boolean} false if it is too long */
   #writeLink() {
     const {azimuth, elevation, zoom, center} = this.#stage.camera;
     const round = number => String(Number(number.toFixed(3)));
@@ -339,7 +365,9 @@ class Page {
     if (scene !== null) link.set('scene', String(scene));
     if (isAsking) link.set('asks', '1');
     const text = `#${link}`;
-    if (text.length < kMaxLinkText && text !== location.hash) history.replaceState(null, '', text);
+    if (text.length >= kMaxLinkText) return false;
+    if (text !== location.hash) history.replaceState(null, '', text);
+    return true;
   }
 
   /** Shows what the address says. @returns {boolean} false if it says nothing */
@@ -351,8 +379,10 @@ class Page {
     const cuts = (link.get('cuts') ?? '').split(';').map(text => text.split(',').map(Number))
       .filter(numbers => numbers.length === 4 && numbers.every(Number.isFinite) && numbers.slice(0, 3).some(n => n !== 0))
       .map(([x, y, z, offset]) => ({normal: [x, y, z], offset})).slice(0, kMaxCuts);
-    const scene = link.has('scene') && this.#model.info.scenes[link.get('scene')] ? Number(link.get('scene')) : null;
-    const isAsking = scene !== null && link.has('asks') && this.#model.info.scenes[scene].question !== '';
+    const {scenes} = this.#model.info;
+    const n = Number(link.get('scene') ?? -1);
+    const scene = Number.isInteger(n) && n >= 0 && n < scenes.length ? n : null;
+    const isAsking = scene !== null && link.has('asks') && scenes[scene].question !== '';
     this.#model.change({base: link.get('select'), edits: [], scene, isAsking, cuts}, this.#stage.camera);
     if (isView) {
       const [azimuth, elevation, zoom, ...center] = view;
@@ -360,7 +390,7 @@ class Page {
       const projection = link.get('projection') === 'perspective' ? 'perspective' : 'parallel';
       this.#stage.camera = {azimuth, elevation, zoom: kept, projection, ...(center.length === 3 ? {center} : {})};
     } else {
-      this.#fit = {structure: -1, zoom: 1};
+      this.#stage.camera = {...this.#stage.camera, fit: {structure: -1, zoom: 1}};
     }
     this.#changed();
     return true;

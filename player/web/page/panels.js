@@ -21,6 +21,7 @@ class Inspector {
       this.#edit(() => model.setAppearance(this.index, {opacity: Number(event.target.value) / 100}, camera())));
     byId('color').addEventListener('input', event =>
       this.#edit(() => model.setAppearance(this.index, {color: event.target.value}, camera())));
+    for (const id of ['opacity', 'color']) byId(id).addEventListener('change', () => model.endGesture());
     byId('isolate').addEventListener('click', () => this.isolate());
     this.update();
   }
@@ -41,7 +42,7 @@ class Inspector {
 
   /** Shows or hides a structure. */
   toggle(index) {
-    this.#model.setMode(index, this.#model.mode(index) === 'off' ? 'surface' : 'off', this.#camera());
+    this.#model.toggle(index, this.#camera());
     this.#changed();
   }
 
@@ -65,6 +66,7 @@ class Inspector {
     byId('opacity').disabled = byId('color').disabled = isOff;
     byId('opacity').value = String(Math.round(100 * (opacity ?? 1)));
     byId('opacity-text').textContent = isOff ? '' : `${byId('opacity').value} %`;
+    byId('opacity').setAttribute('aria-valuetext', `${byId('opacity').value} %`);
     byId('color').value = color;
   }
 }
@@ -103,17 +105,19 @@ class Scenes {
     return this.#show(this.#current === null ? 0 : (this.#current + by + count) % count);
   }
 
-  /** Marks a scene as the present one, with its question or its caption; null: none. */
-  mark(n, isAsking) {
+  /** Marks a scene as the present one, with its question or its caption; null: none. `isChanged`: not quite it. */
+  mark(n, isAsking, isChanged) {
     this.#current = n;
     this.#isAsking = isAsking;
+    if (!isAsking && document.activeElement === byId('answer')) byId('next').focus();
     byId('answer').hidden = !isAsking;
     this.#buttons.forEach((button, each) => {
       if (each === n) button.setAttribute('aria-current', 'step');
       else button.removeAttribute('aria-current');
     });
     byId('caption').replaceChildren(nameElement(n === null ? '' : this.#scenes[n][isAsking ? 'question' : 'caption']));
-    byId('place').textContent = n === null ? `${this.#scenes.length} scenes` : `${n + 1} of ${this.#scenes.length}`;
+    byId('place').textContent = n === null ? `${this.#scenes.length} scenes` :
+      `${n + 1} of ${this.#scenes.length}${isChanged ? ', changed' : ''}`;
     const strip = byId('strip');
     if (n === null) return;
     const button = this.#buttons[n];
@@ -129,8 +133,8 @@ class Cuts {
   constructor(model, camera, changed) {
     this.#model = model;
     const {center_lps_mm: center, radius_mm: radius} = model.info.display;
-    const axes = [['Left and right', 'left', 'right'], ['Front and back', 'posterior', 'anterior'],
-      ['Top and bottom', 'superior', 'inferior']];
+    const axes = [['Right to left', 'left', 'right'], ['Front to back', 'posterior', 'anterior'],
+      ['Bottom to top', 'superior', 'inferior']];
     this.#rows = axes.map(([name, high, low], axis) => {
       const [first, last] = [Math.floor(center[axis] - radius), Math.ceil(center[axis] + radius)];
       const slider = element('input',
@@ -149,10 +153,12 @@ class Cuts {
         if (side.value === '') side.value = 'high';
         read(`cut ${axis}`);
       });
+      slider.addEventListener('change', () => model.endGesture());
       side.addEventListener('change', () => read(null));
       byId('cuts').append(
         element('div', {class: 'cut'}, element('span', {class: 'cut-name'}, name), side, slider, text));
-      return {slider, side, text};
+      const place = offset => `${Math.abs(offset)} mm${offset === 0 ? '' : ` ${offset > 0 ? high : low}`}`;
+      return {slider, side, text, place};
     });
     byId('no-cuts').addEventListener('click', () => {
       model.change({cuts: []}, camera());
@@ -161,11 +167,14 @@ class Cuts {
   }
 
   update() {
-    this.#rows.forEach(({slider, side, text}, axis) => {
+    const oblique = this.#model.state.cuts.filter(cut => [0, 1, 2].every(axis => !isAcross(cut, axis))).length;
+    byId('oblique-cuts').textContent = oblique === 0 ? '' : `Oblique cuts: ${oblique}`;
+    this.#rows.forEach(({slider, side, text, place}, axis) => {
       const cut = this.#model.cutAcross(axis);
       side.value = cut === null ? '' : cut.isFlipped ? 'low' : 'high';
       if (cut !== null) slider.value = String(cut.offset);
-      text.textContent = cut === null ? '' : `${Number(slider.value)} mm`;
+      text.textContent = cut === null ? '' : place(Number(slider.value));
+      slider.setAttribute('aria-valuetext', place(Number(slider.value)));
     });
   }
 }
@@ -183,11 +192,12 @@ function startTabs() {
   tabs.forEach((tab, n) => {
     tab.addEventListener('click', () => choose(tab));
     tab.addEventListener('keydown', event => {
-      const step = {ArrowRight: 1, ArrowLeft: -1}[event.key];
-      if (!step) return;
-      const next = tabs[(n + step + tabs.length) % tabs.length];
+      const at = {ArrowRight: n + 1, ArrowLeft: n - 1, Home: 0, End: -1}[event.key];
+      if (at === undefined) return;
+      const next = tabs[(at + tabs.length) % tabs.length];
       choose(next);
       next.focus();
+      event.preventDefault();
       event.stopPropagation();
     });
   });

@@ -35,7 +35,9 @@ class Stage {
     canvas.addEventListener('contextmenu', event => event.preventDefault());
     canvas.addEventListener('wheel', event => this.#wheel(event), {passive: false});
     canvas.addEventListener('keydown', event => this.#key(event));
-    new ResizeObserver(() => handlersSoon(this.#handlers.resized)).observe(this.#stage);
+    // An observer must not change what it observes
+    new ResizeObserver(() => requestAnimationFrame(() => this.#handlers.resized())).observe(this.#stage);
+    this.#mark(camera);
   }
 
   /** [width, height] in pixels of the page. */
@@ -50,23 +52,24 @@ class Stage {
     return [Math.max(1, Math.round(width * ratio)), Math.max(1, Math.round(height * ratio))];
   }
 
-  /** Puts a picture on the canvas, which the style stretches over the stage. */
-  draw({width, height, data}) {
+  /** Puts a picture on the canvas, which the style stretches over the stage, with its scale and directions. */
+  draw({width, height, data, camera}) {
+    this.#mark(camera);
     this.#canvas.width = width;
     this.#canvas.height = height;
     this.#canvas.getContext('2d').putImageData(new ImageData(data, width, height), 0, 0);
   }
 
-  /** Shows the scale and the directions of the camera. */
-  mark() {
-    const letters = Camera.letters(this.camera);
+  /** Shows the scale and the directions of a camera. */
+  #mark(camera) {
+    const letters = Camera.letters(camera);
     for (const side of Object.keys(letters)) document.getElementById(`side-${side}`).textContent = letters[side];
     const [width, height] = this.size();
-    const mm = Camera.mmPerPixel(this.camera, [width, height], this.display);
+    const mm = Camera.mmPerPixel(camera, [width, height], this.display);
     const room = 0.3 * width * mm;
     const power = 10 ** Math.floor(Math.log10(room));
     const length = [5, 2, 1].find(n => n * power <= room) * power;
-    this.#bar.hidden = Camera.isPerspective(this.camera);  // the scale changes with the depth
+    this.#bar.hidden = Camera.isPerspective(camera);  // the scale changes with the depth
     this.#bar.style.width = `${100 * length / mm / width}%`;
     this.#bar.textContent = length >= 10 ? `${length / 10} cm` : `${Number(length.toPrecision(3))} mm`;
     this.#stage.style.setProperty('--aspect', `${width} / ${height}`);
@@ -148,18 +151,9 @@ class Stage {
       this.#set(Camera.movedByDrag(this.camera, dx, dy, this.size(), this.display));
     } else if (arrow) {
       this.#set(Camera.turned(this.camera, -arrow[0] * kTurnDegrees, arrow[1] * kTurnDegrees));
-    } else if (event.key === '+' || event.key === '=') {
-      this.zoom(kZoomStep);
-    } else if (event.key === '-') {
-      this.zoom(1 / kZoomStep);
     } else {
       return;
     }
     event.preventDefault();
   }
-}
-
-/** Calls a handler outside of an observer, which must not change what it observes. */
-function handlersSoon(handler) {
-  requestAnimationFrame(() => handler());
 }

@@ -85,7 +85,9 @@ class Tree {
       this.#addRows(this.#model.roots, '', 1, items);
     }
     this.#list.replaceChildren(...items);
-    if (items.length === 0) this.#list.append(element('li', {role: 'none', class: 'empty'}, 'Nothing is called so.'));
+    const tell = text => this.#list.append(element('li', {role: 'none', class: 'empty'}, text));
+    if (this.#found?.length > kMaxFound) tell(`The first ${kMaxFound} of ${this.#found.length}.`);
+    if (items.length === 0) tell('No structure has this name.');
     const focused = this.#rows.find(({item}) => item.dataset.path === this.#focused) ?? this.#rows[0];
     if (focused) this.#focus(focused, false);
     this.update();
@@ -112,20 +114,16 @@ class Tree {
     item.style.setProperty('--level', String(level - 1));
     twisty.addEventListener('click', event => {
       event.stopPropagation();
-      if (isGroup) this.#toggleOpen(path);
+      if (isGroup) this.#reopen(path);
     });
     eye.addEventListener('click', event => {
       event.stopPropagation();
+      this.#focus({item}, true);
       this.#handlers.toggle(index);
     });
     item.addEventListener('click', () => this.#choose({item, index}));
     this.#rows.push({item, index});
     return item;
-  }
-
-  #toggleOpen(path) {
-    if (!this.#open.delete(path)) this.#open.add(path);
-    this.#build();
   }
 
   #choose(row) {
@@ -170,8 +168,10 @@ class Tree {
     keys[event.key]();
   }
 
+  /** Opens or closes a group. */
   #reopen(path) {
-    this.#toggleOpen(path);
+    if (!this.#open.delete(path)) this.#open.add(path);
+    this.#build();
     this.#focus(this.#rows.find(({item}) => item.dataset.path === path), true);
   }
 }

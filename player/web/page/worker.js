@@ -1,7 +1,9 @@
 // A worker of the page: draws and picks with the module. Follows splatlas.js in one script.
 //
-// From the page:  {type: 'start', module, atlas or size}, 'given' pieces of an atlas on a server, and then {type: 'draw'}, {type: 'pick'} and {type: 'measure'}; see engine.js.
-// To the page:    'wanted' pieces, 'ready', 'picture', 'picked', 'measured', 'error' (the worker goes on) and 'fatal' (it does not).
+// From the page:  {type: 'start', module, atlas or size}, 'given' pieces of an atlas on a server, and then {type: 'draw'},
+//                 {type: 'pick'} and {type: 'measure'}; see engine.js.
+// To the page:    'wanted' pieces, 'ready', 'picture', 'picked', 'measured', 'error' (the worker goes on) and 'fatal' (it
+//                 does not).
 'use strict';
 
 (() => {
@@ -14,10 +16,8 @@ let splatlas = null;
 let selected = null;   // text of the module's selection
 let scale = 1;         // size of drafts, relative to the size asked for
 let latest = null;     // {serial, width, height} of the latest picture
-let drawRequest = null;
-let waiting = null;    // a request that waits for pieces
-let pickRequest = null;
-let measureRequest = null;
+let requests = {};     // the newest of each type
+let waiting = {};      // those that wait for pieces
 let isAwake = false;
 let size = null;       // of an atlas on a server
 
@@ -28,9 +28,7 @@ channel.port1.onmessage = work;
 self.onmessage = ({data}) => {
   if (data.type === 'start') return start(data);
   if (data.type === 'given') return take(data.pieces);
-  if (data.type === 'draw') drawRequest = data;
-  if (data.type === 'pick') pickRequest = data;
-  if (data.type === 'measure') measureRequest = data;
+  requests[data.type] = data;
   wake();
 };
 
@@ -95,30 +93,36 @@ function complete(call) {
 function take(pieces) {
   for (const {offset, bytes} of pieces) (splatlas ?? opening).give(offset, bytes);
   if (opening) return startDrawing();
-  [drawRequest, waiting] = [drawRequest ?? waiting, null];
+  [requests, waiting] = [{...waiting, ...requests}, {}];
   return wake();
 }
 
 function work() {
   isAwake = false;
-  const [draw, pick, measure] = [drawRequest, pickRequest, measureRequest];
-  drawRequest = pickRequest = measureRequest = null;
+  const {draw, pick, measure} = requests;
+  requests = {};
   if (draw) attempt(drawPicture, draw);
   if (pick) attempt(answerPick, pick);
   if (measure) attempt(answerMeasure, measure);
 }
 
-/** Calls task(request). Tells the page about errors; after a trap this worker is of no use. */
+/** Posts what task(request) returns. Tells the page about errors; after a trap this worker is of no use. */
 function attempt(task, request) {
+  const {type, serial} = request;
   try {
-    task(request);
+    const answer = complete(() => task(request));
+    if (answer) return self.postMessage({serial, ...answer}, answer.data ? [answer.data.buffer] : []);
+    waiting[type] = request;
+    selected = latest = null;  // the module leaves out what is missing until it selects anew
+    return undefined;
   } catch (error) {
-    fail(error, request.serial, !(error instanceof Splatlas.Error));
+    return fail(error, serial, !(error instanceof Splatlas.Error), type);
   }
 }
 
-function fail(error, serial, isFatal) {
-  self.postMessage({type: isFatal ? 'fatal' : 'error', serial, message: String(error.message ?? error)});
+/** `of`: the type of the request; only one to draw leaves the page without a picture. */
+function fail(error, serial, isFatal, of = '') {
+  self.postMessage({type: isFatal ? 'fatal' : 'error', of, serial, message: String(error.message ?? error)});
 }
 
 function drawPicture(request) {
@@ -126,17 +130,12 @@ function drawPicture(request) {
   const warnings = isNew ? select(request.select) : [];
   const begin = performance.now();
   const shrink = request.quality === 'draft' ? scale : 1;
-  const picture = complete(() => renderWithinMemory(request, shrink));
-  if (picture === null) {
-    waiting = request;
-    selected = null;  // the module leaves out what is missing until it selects anew
-    return;
-  }
+  const picture = renderWithinMemory(request, shrink);
   if (request.quality === 'draft' && !isNew) adapt(performance.now() - begin, request.budget);
-  self.postMessage({
-    type: 'picture', serial: request.serial, quality: request.quality, camera: splatlas.camera, warnings,
-    drawn: isNew ? splatlas.drawn() : null, isFitted: Boolean(request.fit), ...picture,
-  }, [picture.data.buffer]);
+  return {
+    type: 'picture', quality: request.quality, camera: splatlas.camera, warnings,
+    drawn: isNew ? splatlas.drawn() : null, isFitted: Boolean(request.camera.fit), ...picture,
+  };
 }
 
 function select(text) {
@@ -156,11 +155,12 @@ function renderWithinMemory(request, shrink) {
   }
 }
 
-function render({serial, cuts, depthCue, budget, camera, size, fit, quality}, shrink) {
+function render({serial, cuts, depthCue, budget, camera, size, quality}, shrink) {
   latest = null;
   splatlas.cut(cuts);
   splatlas.options({depthCue: depthCue && quality !== 'draft', draftBudget: budget});
-  splatlas.camera = camera;
+  const {fit, ...placed} = camera;
+  splatlas.camera = placed;
   if (fit) {
     const {zoom, center} = splatlas.fit(...size, fit.structure);
     splatlas.view({zoom: zoom * fit.zoom, center: fit.center ?? center});
@@ -177,19 +177,19 @@ function adapt(ms, budget) {
   scale = Math.max(kMinScale, Math.round(wanted / kScaleStep) * kScaleStep);
 }
 
-function answerMeasure({serial, state}) {
+function answerMeasure({state}) {
   if (state.select !== selected) select(state.select);
   splatlas.cut(state.cuts);
   splatlas.camera = state.camera;
-  self.postMessage({type: 'measured', serial, zoom: splatlas.fit(...state.size).zoom});
+  return {type: 'measured', zoom: splatlas.fit(...state.size).zoom};
 }
 
 /** Picks in the page's newest state. The latest picture is of another one only after an error. */
 function answerPick({serial, state, u, v}) {
   if (latest?.serial !== serial) {
     if (state.select !== selected) select(state.select);
-    render({...state, serial, fit: null, budget: 0, quality: 'draft'}, 1);
+    render({...state, serial, budget: 0, quality: 'draft'}, 1);
   }
-  self.postMessage({type: 'picked', serial, picked: splatlas.pick(u * latest.width, v * latest.height)});
+  return {type: 'picked', picked: splatlas.pick(u * latest.width, v * latest.height)};
 }
 })();

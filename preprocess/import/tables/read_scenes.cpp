@@ -77,7 +77,9 @@ class SceneReader {
     if (!found) refuse(value, fmt::format("{} must be a text in quotes", key));
     std::string text = found.value_or("");
     if (printable(text) != text)
-      refuse(value, fmt::format("{} must be one line of visible UTF-8 characters", key));
+      refuse(value, fmt::format("{} must be one line of visible UTF-8 characters; remove line breaks, and "
+                                "characters for control or direction",
+                                key));
     if (text.size() > kMaxSceneText)
       refuse(value, fmt::format("{} has {} bytes; {} are allowed", key, text.size(), kMaxSceneText));
     return text;
@@ -109,8 +111,11 @@ class SceneReader {
   }
   [[nodiscard]] double number(const toml::node& value, std::string_view key, double low, double high) {
     const auto found = value.value<double>();
-    if (!found || !(*found >= low && *found <= high))
-      refuse(value, fmt::format("{} must be a number from {} to {}", key, low, high));
+    if (!found || !(*found >= low && *found <= high)) {
+      const std::string given =
+          found ? fmt::format(" {}", *found) : " " + in_quotes(value.value_or(std::string()));
+      refuse(value, fmt::format("{}{} must be a number from {} to {}", key, given, low, high));
+    }
     return found.value_or(0);
   }
 
@@ -143,8 +148,8 @@ Result<SceneFile> read_scenes(const std::filesystem::path& path) {
     SPLATLAS_ASSIGN_OR_RETURN(Scene scene, SceneReader(path, *table.as_table()).read());
     const auto same = [&](const Scene& other) { return equal_ignoring_case(other.name, scene.name); };
     if (std::ranges::any_of(file.scenes, same)) {
-      return fail(ErrorCode::kFailed, "{}: line {}: two scenes have the name {}", path.string(),
-                  table.source().begin.line, in_quotes(scene.name));
+      return fail(ErrorCode::kFailed, "{}: line {}: two scenes have the name {}, ignoring case; rename one",
+                  path.string(), table.source().begin.line, in_quotes(scene.name));
     }
     file.scenes.push_back(std::move(scene));
   }

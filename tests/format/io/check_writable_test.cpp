@@ -95,8 +95,8 @@ TEST_F(CheckWritableTest, FoldersMustBeNewOrEmpty) {
   fs::create_directory(path);
   EXPECT_EQ(folder_at(path), "");
   std::ofstream(path / "mask.nrrd") << "x";
-  EXPECT_EQ(folder_at(path), "it exists and is not an empty folder");
-  EXPECT_EQ(folder_at(path / "mask.nrrd"), "it exists and is not an empty folder");
+  EXPECT_EQ(folder_at(path), "it exists and is not an empty folder; name a new one");
+  EXPECT_EQ(folder_at(path / "mask.nrrd"), "it exists and is not an empty folder; name a new one");
   EXPECT_THAT(folder.names(), ElementsAre("out"));
 }
 

@@ -104,7 +104,7 @@ TEST_F(OutputFolderTest, LeavesFilesOfOthers) {
 TEST_F(OutputFolderTest, ReplacesNothing) {
   put(path);
   EXPECT_THAT(message_of(OutputFolder::create(path)),
-              EndsWith("masks: cannot be written: it exists and is not an empty folder"));
+              EndsWith("masks: cannot be written: it exists and is not an empty folder; name a new one"));
   std::filesystem::remove(path);
   auto made = OutputFolder::create(path);
   ASSERT_TRUE(made);

@@ -214,6 +214,7 @@ async function onDesk(visit, url) {
   await visit.changes('wheel', () => page.mouse.wheel({deltaY: -200}));
   await search(visit);
   await edit(visit);
+  await goBack(visit);
   await page.click('#tab-cutting');
   await visit.changes('cut', () => page.select('#cuts select', 'high'));
   await visit.picture('desk_cut');
@@ -232,12 +233,53 @@ async function onPhone(visit, url) {
   await visit.picture('phone_cuts');
 }
 
-/** Opens a link of the page: the same state. */
+/** Opens a link of the page: the same state. Bad links give a message, and the opening picture or what was there. */
 async function byLink(visit, link) {
+  const {page} = visit;
   await visit.open(link);
-  assert.strictEqual(visit.page.url(), link);
-  await visit.open(`${link.split('#')[0]}#select=no+such+thing&view=1,2,x`);
-  assert.notStrictEqual(await visit.text('#message'), '');
+  assert.strictEqual(page.url(), link);
+  for (const bad of ['select=no+such+thing&view=1,2,x', 'select=*:surface&view=0,0,1,1e300,0,0',
+    'select=*:surface&cuts=1e300,0,0,1']) {
+    await page.goto('about:blank');
+    await visit.open(`${link.split('#')[0]}#${bad}`);
+    assert.notStrictEqual(await visit.text('#message'), '', bad);
+    assert.strictEqual(await page.$eval('#undo', button => button.disabled), true, bad);
+  }
+  for (const odd of ['length', 'at', '1.5', '-1', '99']) {
+    await page.goto('about:blank');
+    await visit.open(`${link.split('#')[0]}#select=*:surface&scene=${odd}`);
+    assert.strictEqual(await visit.text('#message'), '', odd);
+  }
+}
+
+/** Steps back give what was there: after scenes in a hurry, after hiding, and after a text that is wrong. */
+async function goBack(visit) {
+  const {page} = visit;
+  const picture = () => page.evaluate(textOfCanvas);
+  await page.keyboard.press('p');
+  await visit.changes('scene', () => page.keyboard.press('p'));
+  const scene = await picture();
+  await visit.changes('scene', async () => {
+    await page.keyboard.press('n');
+    await page.keyboard.press('n');
+  });
+  await page.keyboard.press('u');
+  await visit.changes('undo', () => page.keyboard.press('u'));
+  assert.strictEqual(await picture(), scene);
+
+  await page.click('#tab-structures');
+  await visit.changes('hide', () => page.click('#tree .eye'));
+  assert.match(await visit.text('#place'), /changed/);
+  await visit.changes('show', () => page.click('#tree .eye'));
+  assert.strictEqual(await picture(), scene);
+
+  await page.click('#tab-display');
+  await page.$eval('#selection-text', box => { box.value = 'no such thing'; });
+  await page.click('#apply-text');
+  await page.waitForFunction(() => !document.getElementById('message').hidden, {timeout: kPatience});
+  assert.strictEqual(await page.$eval('#selection-text', box => box.value), 'no such thing');
+  await visit.refined();
+  assert.strictEqual(await picture(), scene);
 }
 
 /** A page whose atlas is cut short tells so, and keeps its opening picture. */
@@ -269,6 +311,26 @@ async function onServer(newPage, ranges) {
   server.close();
 }
 
+/** A click while pieces are under way waits for them, and the new scene stays. */
+async function onSlowServer(newPage) {
+  const server = await serve(path.join(folder, 'site'), {ranges: true, delay: 300});
+  const visit = new Visit(await newPage(), kDesk, server.url);
+  const {page} = visit;
+  await visit.open(server.url);
+  const [x, y] = await middleOf(visit);
+  await visit.changes('scene', async () => {
+    await page.keyboard.press('n');
+    await page.mouse.click(x, y);
+    await page.evaluate(() => document.getElementById('copy-scene').click());
+  });
+  await page.waitForFunction(() => document.querySelector('#picked strong'), {timeout: kPatience});
+  assert.match(await visit.text('#place'), /^2 of/);
+  assert.doesNotMatch(await visit.text('#message'), /not loaded/);
+  assert.deepStrictEqual(visit.messages, []);
+  await page.close();
+  server.close();
+}
+
 async function main() {
   const library = puppeteer();
   if (!library || !fs.existsSync(kBrowser)) return 77;
@@ -287,6 +349,7 @@ async function main() {
     }
     await onServer(newPage, true);
     await onServer(newPage, false);
+    await onSlowServer(newPage);
   } finally {
     await browser.close();
   }

@@ -6,9 +6,9 @@ const path = require('node:path');
 
 const kTypes = {'.html': 'text/html', '.atlas': 'application/octet-stream'};
 
-/** Serves the files of a folder on a free port of this machine.
+/** Serves the files of a folder on a free port of this machine. `delay`: ms until an answer.
  * @returns {Promise<{url: string, bytes: Map<string, number>, close: function}>} bytes: sent, by file name */
-async function serve(folder, {ranges}) {
+async function serve(folder, {ranges, delay = 0}) {
   const bytes = new Map();
   const server = http.createServer((request, response) => {
     const name = decodeURIComponent(new URL(request.url, 'http://here').pathname.slice(1)) || 'index.html';
@@ -21,7 +21,7 @@ async function serve(folder, {ranges}) {
     if (range) headers['Content-Range'] = `bytes ${begin}-${end - 1}/${content.length}`;
     bytes.set(name, (bytes.get(name) ?? 0) + end - begin);
     response.writeHead(range ? 206 : 200, headers);
-    return response.end(content.subarray(begin, end));
+    return setTimeout(() => response.end(content.subarray(begin, end)), delay);
   });
   await new Promise(resolve => server.listen(0, '127.0.0.1', resolve));
   return {url: `http://127.0.0.1:${server.address().port}/`, bytes, close: () => server.close()};
