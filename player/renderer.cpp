@@ -125,8 +125,9 @@ struct Renderer::Impl {
   /// Memory that the picture and the decoded parts leave for spans; an eighth of all at least, as the decoded
   /// parts cannot take less.
   [[nodiscard]] std::uint64_t memory_for_spans(const RenderOptions& options) const {
-    const std::uint64_t taken = frame_bytes(options) + decoded.cache().bytes();
-    return std::max(max_memory_bytes - std::min(taken, max_memory_bytes), max_memory_bytes / 8);
+    const auto all =
+        static_cast<std::uint64_t>(std::min(max_memory(), static_cast<double>(max_memory_bytes)));
+    return std::max(all - std::min(frame_bytes(options) + decoded.cache().bytes(), all), all / 8);
   }
 
   /// Fits a camera to the selection, or to its part in some structures.

@@ -18,7 +18,7 @@ check() {
   fi
 }
 
-check product 60700 format preprocess player schemas
-check tests 49000 tests
+check product 60720 format preprocess player schemas
+check tests 49020 tests
 check bench 8500 bench
 exit "$bad"

@@ -1,6 +1,7 @@
 #include "format/tasks/task_control.h"
 
 #include <algorithm>
+#include <limits>
 
 #include <time.h>  // clock_gettime is POSIX's, not <ctime>'s
 
@@ -119,6 +120,14 @@ void TaskControl::check() {
 
 void check_task() {
   if (current_task != nullptr) current_task->check();
+}
+
+double max_memory() {
+  double bytes = std::numeric_limits<double>::infinity();
+  for (const TaskControl* task = current_task; task != nullptr; task = task->outer_) {
+    if (task->budget_ != nullptr) bytes = std::min(bytes, task->budget_->memory_bytes());
+  }
+  return bytes;
 }
 
 void check_memory(double bytes) {

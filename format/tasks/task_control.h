@@ -62,6 +62,7 @@ class TaskControl {
 
  private:
   friend void check_task();
+  friend double max_memory();
   friend void check_memory(double bytes);
   void check();
   void charge(double cpu_seconds);
@@ -95,6 +96,9 @@ class TaskPace {
  private:
   std::uint32_t steps_ = 0;
 };
+
+/// Bytes of memory that the task of this thread may hold; infinite without a task or its limit.
+[[nodiscard]] double max_memory();
 
 /// Throws OverBudget when this thread works on a task that may not hold `bytes` of memory. Call it ahead of
 /// allocations that a file of few bytes can make large.

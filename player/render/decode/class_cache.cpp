@@ -112,29 +112,19 @@ double ClassCache::memory_of(std::span<const Missing> missing, Axis axis, bool n
   const auto voxel_bytes = static_cast<double>(value_bytes() + (normals ? sizeof(PackedNormal) : 0));
   const double grid_bytes = static_cast<double>(grid.voxels()) * voxel_bytes;
   constexpr double kPageBytes = 4096;
-  IndexBox box;
   double voxels = 0, pages = 0;
   for (const Missing& of : missing) {
     const IndexBox& of_class = atlas_->classes().box(of.id);
     const auto of_slices = static_cast<double>(of_class.last[2] - of_class.first[2] + 1);
     const auto in_class = static_cast<double>(atlas_->classes().voxels(of.id));
-    box.include(of_class);
     voxels += in_class;
     pages +=
         std::min(2 * in_class, 2 + of_slices / static_cast<double>(grid.size[2]) * grid_bytes / kPageBytes);
   }
-  if (box.empty()) return 0;
-  // Values and normals are spread over the pages of the grid. Spans take up to two blocks per run, and
-  // offsets of all rows between their first and last
+  // Values and normals are spread over the pages of the grid
   pages = std::min(pages, 2 + grid_bytes / kPageBytes);
-  constexpr double kBlockBytes = 4 * kBlock * sizeof(float), kRunBytes = 3 * sizeof(ClassRun);
-  const ScanOrder order = ScanOrder::of(axis);
-  const auto side = [&](std::uint8_t a) { return static_cast<double>(box.last[a] - box.first[a] + 1); };
-  const double runs = std::min(voxels, static_cast<double>(atlas_->runs(axis)));
-  const double rows = std::min(side(order.slice_axis), runs) * side(order.row_axis);
-  const double blocks = std::min(2 * runs + voxels / kBlock, rows * (side(order.scan_axis) / kBlock + 2));
-  return pages * kPageBytes + runs * kRunBytes + blocks * kBlockBytes + rows * sizeof(std::uint32_t) +
-         voxels * sizeof(ShadedVoxel);
+  constexpr double kRunBytes = 3 * sizeof(ClassRun);
+  return pages * kPageBytes + kRunBytes * std::min(voxels, static_cast<double>(atlas_->runs(axis)));
 }
 
 std::uint64_t ClassCache::bytes() const {

@@ -55,7 +55,9 @@ class ClassCache {
   /// The same for surfaces of a level of detail (Atlas::read_surface()).
   [[nodiscard]] Result<void> require_surfaces(std::span<const StructureIndex> structures, ThreadPool& pool,
                                               int level = 0);
-  [[nodiscard]] bool has_surface(StructureIndex s) const { return surfaces_[0].contains(s); }
+  [[nodiscard]] bool has_surface(StructureIndex s, int level) const {
+    return surfaces_[kept_level(s, level)].contains(s);
+  }
   /// Failures of the latest require() and require_surfaces().
   [[nodiscard]] std::span<const FailedClass> failed_classes() const { return failed_classes_; }
   [[nodiscard]] std::span<const FailedSurface> failed_surfaces() const { return failed_surfaces_; }
@@ -108,7 +110,7 @@ class ClassCache {
   struct Missing;
   [[nodiscard]] std::vector<Missing> missing_of(std::span<const ClassId> classes, Axis axis,
                                                 bool normals) const;
-  /// Upper bound of the bytes that these classes and their spans will take.
+  /// Upper bound of the bytes that these classes will take.
   [[nodiscard]] double memory_of(std::span<const Missing> missing, Axis axis, bool normals) const;
   [[nodiscard]] Result<void> reserve(std::span<const Missing> missing);
   [[nodiscard]] Result<void> decode(Missing& missing, Axis axis) const;

@@ -118,10 +118,7 @@ std::vector<std::uint32_t> sorted_triangles(const SurfaceMesh& mesh) {
     std::uint32_t place, triangle;
   };
   const MortonCurve curve(mesh);
-  // They keep their memory: page faults would cost as much as the sort.
-  static thread_local std::vector<Placed> from, to;
-  from.resize(mesh.triangles.size());
-  to.resize(from.size());
+  std::vector<Placed> from(mesh.triangles.size()), to(from.size());
   for (std::uint32_t n = 0; n < from.size(); ++n) from[n] = {curve.place(mesh.triangles[n]), n};
   for (int digit = 0; digit < 2; ++digit) {
     check_task();
@@ -143,15 +140,14 @@ std::vector<std::uint32_t> sorted_triangles(const SurfaceMesh& mesh) {
 
 SurfaceClusters::SurfaceClusters(const SurfaceMesh& mesh, const Grid& grid)
     : is_closed_(is_fitted(mesh) && has_no_border(mesh)) {
-  // Most clusters have fewer vertices than triangles. The memory of the sort stays with the thread
+  // Most clusters have fewer vertices than triangles
   constexpr double kBytesPerTriangle = 34 + 16 + 2;
   check_memory(kBytesPerTriangle * static_cast<double>(mesh.triangles.size()));
   numbers_ = sorted_triangles(mesh);
   const NormalMap normals(grid);
   // Of each vertex the latest cluster with it, and its place there: most are in two clusters
   constexpr std::uint32_t kNowhere = 0xffffffff, kPlaceBits = 8;
-  static thread_local std::vector<std::uint32_t> place_of;
-  place_of.assign(mesh.positions_ijk.size(), kNowhere);
+  std::vector<std::uint32_t> place_of(mesh.positions_ijk.size(), kNowhere);
   triangles_.resize(numbers_.size());
   // Rarely exceeded; pages that remain unused take no memory
   positions_.reserve(numbers_.size() + 3 * kMaxTriangles);

@@ -1,6 +1,7 @@
 #include "player/render/frame/decoded_selection.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "format/result_macros.h"
@@ -17,13 +18,19 @@ bool DecodedSelection::begin(std::uint64_t bytes) {
 
 int DecodedSelection::surface_level(const DrawPlan& plan, double voxel_pixels, const RenderOptions& options,
                                     const ThreadPool& pool) {
-  constexpr double kMsPerTriangle = 300e-6;  // to derive it, on one thread
+  // Times to derive surfaces, for each triangle of level 0, on one thread
+  constexpr double kFineMs = 300e-6, kCoarseMs = 400e-6;
+  constexpr double kMaxWaitMs = 500;
   if (!may_be_rough(options)) return 0;
-  double missing = 0;
-  for (const StructureIndex s : plan.surfaces) {
-    if (!cache_.has_surface(s) && atlas_->has_levels(s)) missing += static_cast<double>(atlas_->triangles(s));
-  }
-  return pace_.next(voxel_pixels, missing * kMsPerTriangle / pool.threads() <= 2 * options.draft_budget_ms);
+  return pace_.next(voxel_pixels, [&](int level) {
+    double missing = 0;
+    for (const StructureIndex s : plan.surfaces) {
+      if (!cache_.has_surface(s, level) && atlas_->has_levels(s))
+        missing += static_cast<double>(atlas_->triangles(s));
+    }
+    const double ms = missing * (level == 0 ? kFineMs : std::ldexp(kCoarseMs, -2 * level)) / pool.threads();
+    return ms <= (level == 0 ? 2 * options.draft_budget_ms : kMaxWaitMs);
+  });
 }
 
 void DecodedSelection::took(const RenderStats& stats, const RenderOptions& options) {

@@ -54,19 +54,23 @@ class DraftPace {
 class SurfacePace {
  public:
   /// Maximum widths of a block in picture pixels: for silhouettes within a pixel, after late drafts, and
-  /// while the surfaces of level 0 do not exist.
+  /// while finer surfaces do not exist.
   static constexpr double kFinePixels = 3, kMaxPixels = 6, kStandInPixels = 12;
 
-  /// Level of the next draft. `voxel_pixels`: Shear::voxel_pixels(). `is_ready`: the surfaces of level 0
-  /// exist; else those of level 1 take their place, unless their blocks are too wide.
-  [[nodiscard]] int next(double voxel_pixels, bool is_ready) {
+  /// Level of the next draft. `voxel_pixels`: Shear::voxel_pixels(). `is_ready(level)`: the surfaces of the
+  /// level exist, or soon will; else those of the next one take their place, unless their blocks are too
+  /// wide.
+  template <typename IsReady>
+  [[nodiscard]] int next(double voxel_pixels, const IsReady& is_ready) {
     const auto level_within = [voxel_pixels](double pixels) {
       return std::clamp(std::ilogb(pixels / voxel_pixels), 0, Coverage::kMaxLevel);
     };
     min_ = level_within(kFinePixels);
     max_ = level_within(kMaxPixels);
     level_ = std::clamp(level_, min_, max_);
-    return is_ready || 2 * voxel_pixels > kStandInPixels ? level_ : std::max(level_, 1);
+    int level = level_;
+    while (level < level_within(kStandInPixels) && !is_ready(level)) ++level;
+    return level;
   }
 
   /// Records the time to draw the surfaces of the latest draft.

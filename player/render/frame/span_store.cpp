@@ -188,10 +188,9 @@ SheetSpans SpanStore::in_strips(const SpanSource& source, SelectedRuns runs, con
           [this, request, &lighting, &pool](const SheetStrip& strip) -> const SpanModel& {
             SpanRequest of_strip = request;
             of_strip.strip.emplace(strip);
-            strip_ = {};
-            strip_.build(of_strip, pool);
-            if (request.shade) shade_spans(strip_.model(), lighting.table(), pool);
-            return strip_.model();
+            strip_.emplace().build(of_strip, pool);
+            if (request.shade) shade_spans(strip_->model(), lighting.table(), pool);
+            return strip_->model();
           }};
 }
 
@@ -204,7 +203,7 @@ void SpanStore::took(const RenderStats& stats, const RenderOptions& options) {
 
 void SpanStore::outdate() {
   means_.reset();
-  strip_ = {};
+  strip_.reset();
   strip_runs_.reset();
   for (const Axis axis : kAxes) {
     std::optional<AxisSpans>& spans = spans_[static_cast<std::size_t>(axis)];

@@ -95,7 +95,7 @@ class SpanStore {
   // Of the latest frame, if it was drawn in strips
   std::optional<SelectedRuns> strip_runs_;
   SpanModel strip_frame_;
-  SpanBuilder strip_;  // of its latest strip
+  std::optional<SpanBuilder> strip_;  // of its latest strip
   DraftPace pace_;
 };
 

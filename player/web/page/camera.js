@@ -43,8 +43,9 @@ return {
     return Camera.turned(camera, -dx * degrees, dy * degrees);
   },
 
-  /** Moves by a drag of pixels: what is under the pointer follows it. */
+  /** Moves by a drag of pixels: what is under the pointer follows it. A camera that is to be fitted stays. */
   movedByDrag(camera, dx, dy, size, display) {
+    if (camera.fit) return camera;
     const {right, up} = sides(camera);
     const mm = Camera.mmPerPixel(camera, size, display);
     const center = camera.center ?? display.center_lps_mm;
@@ -53,6 +54,7 @@ return {
 
   /** Zooms about the point (x, y) of the picture, which stays where it is. */
   zoomedAt(camera, factor, x, y, size, display) {
+    if (camera.fit) return {...camera, fit: {...camera.fit, zoom: camera.fit.zoom * factor}};
     const zoom = clamp(camera.zoom * factor, kMinZoom, kMaxZoom);
     const [dx, dy] = [x - size[0] / 2, y - size[1] / 2];
     const kept = 1 - zoom / camera.zoom;

@@ -39,8 +39,7 @@ class RemoteFile {
 
   /** Fetches the begin. @returns {?Uint8Array} the whole file, from servers without ranges; else null */
   async start() {
-    const response = await this.#request(0, kFirstPiece);
-    const bytes = new Uint8Array(await response.arrayBuffer());
+    const [response, bytes] = await this.#request(0, kFirstPiece);
     if (response.status === 200) return bytes;
     this.size = Number(response.headers.get('Content-Range')?.split('/')[1]);
     if (!Number.isInteger(this.size)) throw new LoadError(`${this.#url}: the server does not tell its size`);
@@ -60,22 +59,21 @@ class RemoteFile {
   }
 
   async #fetch(offset, bytes) {
-    const response = await this.#request(offset, bytes);
-    const piece = new Uint8Array(await response.arrayBuffer());
+    const [response, piece] = await this.#request(offset, bytes);
     if (response.status !== 206 || piece.length !== bytes)
       throw new LoadError(`${this.#url}: another answer than ${bytes} bytes`);
     return piece;
   }
 
   async #request(offset, bytes) {
-    let response = null;
     try {
-      response = await fetch(this.#url, {headers: {Range: `bytes=${offset}-${offset + bytes - 1}`}});
-    } catch {
+      const response = await fetch(this.#url, {headers: {Range: `bytes=${offset}-${offset + bytes - 1}`}});
+      if (!response.ok) throw new LoadError(`${this.#url}: the server answers ${response.status}`);
+      return [response, new Uint8Array(await response.arrayBuffer())];
+    } catch (error) {
+      if (error instanceof LoadError) throw error;
       throw new LoadError(`${this.#url}: no answer; the page must come from a web server`);
     }
-    if (!response.ok) throw new LoadError(`${this.#url}: the server answers ${response.status}`);
-    return response;
   }
 }
 
@@ -161,7 +159,8 @@ class Engine {
     }
     if (n === 0 && message.drawn) this.#handlers.drawn(message.drawn);
     if (message.type === 'picked') return this.#handlers.picked(message.picked);
-    if (message.type === 'measured') return this.#handlers.measured(message.zoom);
+    if (message.type === 'measured')
+      return message.serial === this.#serial ? this.#handlers.measured(message.zoom) : this.measure();
     if (message.type === 'error' && message.of !== 'draw') return this.#handlers.told(message.message);
     if (message.serial !== this.#serial) return this.#takeOld(message);
     if (message.type === 'error') return this.#handlers.error(message.message);
@@ -182,6 +181,7 @@ class Engine {
         ({offset, bytes: await this.#remote.piece(offset, bytes)})));
       worker.postMessage({type: 'given', pieces});
     } catch (error) {
+      worker.postMessage({type: 'withheld'});
       this.#handlers.error(`The atlas could not be loaded: ${error.message}. Choose again to try again.`);
     }
   }

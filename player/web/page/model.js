@@ -9,6 +9,7 @@ const isAcross = ({normal}, axis) => normal.every((component, a) => (component !
 /** What the page shows. The selection is a text, from a scene or a link, and edits of single subtrees behind it. */
 class Model {
   #undo = [];
+  #forgotten = 0;  // steps before those in #undo
   #children;
 
   /** @param {object} info the document of `splatlas-player info --json` */
@@ -107,7 +108,10 @@ class Model {
   change(state, camera, gesture = null) {
     const latest = this.#undo.at(-1);
     if (gesture === null || latest?.gesture !== gesture) this.#undo.push({state: this.state, camera, gesture});
-    if (this.#undo.length > 200) this.#undo.shift();
+    if (this.#undo.length > 200) {
+      this.#undo.shift();
+      ++this.#forgotten;
+    }
     this.state = {...this.state, ...state};
   }
 
@@ -116,20 +120,24 @@ class Model {
     if (this.#undo.length > 0) this.#undo.at(-1).gesture = null;
   }
 
-  /** Number of steps that can be undone. */
+  canUndo() {
+    return this.#undo.length > 0;
+  }
+
+  /** Number of steps so far. */
   steps() {
-    return this.#undo.length;
+    return this.#forgotten + this.#undo.length;
   }
 
   /** Forgets steps beyond the first `steps`. */
   forgetSteps(steps) {
-    this.#undo.length = Math.min(this.#undo.length, steps);
+    this.#undo.length = Math.min(this.#undo.length, Math.max(steps - this.#forgotten, 0));
   }
 
-  /** True if the selection is not that of the present scene. */
+  /** True if the selection is not that of the present scene, or if there is no scene. */
   differsFromScene() {
     const {scene, base, edits} = this.state;
-    return scene !== null && (edits.length > 0 || base.trim() !== this.info.scenes[scene].select.trim());
+    return scene === null || edits.length > 0 || base.trim() !== this.info.scenes[scene].select.trim();
   }
 
   /** Goes one step back. @returns {?object} the camera of that state if it was another scene */
@@ -147,15 +155,19 @@ class Model {
     return [...this.state.edits.filter(edit => !replaced.has(edit.index)), ...added];
   }
 
-  /** Sets the mode of a subtree. A structure keeps its colour, also through ghosts, which have one of their own. */
+  /** The colour of a structure, also while it is hidden or a ghost, which has a colour of its own. */
+  #own(index) {
+    const isLeaf = this.#children[index].length === 0;
+    if (isLeaf && !['off', 'ghost'].includes(this.mode(index))) return this.appearance(index).color;
+    return this.state.edits.find(edit => edit.index === index)?.own ?? this.structures[index].color;
+  }
+
+  /** Sets the mode of a subtree. A structure keeps its colour. */
   setMode(index, mode, camera) {
-    const before = this.mode(index);
-    const {opacity, color} = this.appearance(index);
-    const hasColor = this.#children[index].length === 0 && !['off', 'ghost'].includes(before);
-    const edited = this.state.edits.find(edit => edit.index === index);
-    const own = hasColor ? color : edited?.own ?? this.structures[index].color;
+    const own = this.#own(index);
+    const keeps = this.#children[index].length === 0 && this.mode(index) === mode;
     const edit = {
-      index, mode, own, opacity: hasColor && before === mode ? opacity : null,
+      index, mode, own, opacity: keeps ? this.appearance(index).opacity : null,
       color: mode !== 'ghost' && own !== this.structures[index].color ? own : null,
     };
     this.change({edits: this.#edited([edit])}, camera);
@@ -164,12 +176,13 @@ class Model {
   /** Hides a subtree, or shows it again as it was. */
   toggle(index, camera) {
     const {edits} = this.state;
-    const hidden = edits.find(edit => edit.index === index && edit.replaced);
-    if (hidden) return this.change({edits: [...edits.filter(edit => edit !== hidden), ...hidden.replaced]}, camera);
+    const within = new Set(this.subtree(index));
+    const latest = edits.findLast(edit => within.has(edit.index));
+    if (latest?.index === index && latest.replaced)
+      return this.change({edits: [...edits.filter(edit => edit !== latest), ...latest.replaced]}, camera);
     if (this.mode(index) === 'off') return this.setMode(index, 'surface', camera);
-    const kept = this.#edited([{index, mode: 'off'}]);
-    const replaced = edits.filter(edit => !kept.includes(edit));
-    return this.change({edits: [...kept.slice(0, -1), {...kept.at(-1), replaced}]}, camera);
+    const hidden = {index, mode: 'off', own: this.#own(index), replaced: edits.filter(edit => within.has(edit.index))};
+    return this.change({edits: this.#edited([hidden])}, camera);
   }
 
   /** Sets opacity or colour of what is drawn in a subtree. */
@@ -180,7 +193,8 @@ class Model {
       const isGroup = this.#children[part].length > 0;
       const mode = this.mode(part);
       const isOwnColor = mode !== 'ghost' && (isGroup || color === this.structures[part].color);
-      return {index: part, mode, opacity, color: isOwnColor ? null : color, ...change};
+      const own = change.color ?? this.#own(part);
+      return {index: part, mode, own, opacity, color: isOwnColor ? null : color, ...change};
     });
     if (edits.length > 0) this.change({edits: this.#edited(edits)}, camera, `${index} ${Object.keys(change)}`);
   }

@@ -35,7 +35,8 @@ class Page {
   #inspector = null;
   #scenes = null;
   #cuts = null;
-  #lastGood = null;   // {state, camera, steps} of the latest that was drawn
+  #lastGood = null;   // {state, camera, steps} of the latest that was drawn; of the opening picture before
+  #typed = null;      // the text of "Show this selection" until its picture
   #messageTimer = 0;
   #slowTimer = 0;     // runs until the next picture
 
@@ -71,6 +72,7 @@ class Page {
     window.addEventListener('hashchange', () => this.#followLink());
     const {select, scene} = this.#opening;
     model.state = {...model.state, ...(scene === null ? {base: select} : model.sceneState(scene))};
+    this.#lastGood = {state: model.state, camera: this.#opening.camera, steps: 0};
     if (!this.#followLink()) this.#changed();
     model.forgetSteps(0);
     byId('undo').disabled = true;
@@ -82,7 +84,7 @@ class Page {
     const {scene, isAsking} = this.#model.state;
     this.#scenes.mark(scene, isAsking, this.#model.differsFromScene());
     this.#cuts.update();
-    const isFirst = this.#model.steps() === 0;
+    const isFirst = !this.#model.canUndo();
     if (isFirst && document.activeElement === byId('undo')) byId('canvas').focus();
     byId('undo').disabled = isFirst;
     byId('selection-text').value = this.#model.selection();
@@ -136,9 +138,12 @@ class Page {
     this.#stage.draw(message);
     byId('opening-picture').hidden = true;
     this.#endWait();
-    const [note] = [...message.missing, ...message.warnings];
+    // Only of texts that were typed: the page's own edits hide earlier terms
+    const isTyped = this.#model.state.edits.length === 0 && this.#model.differsFromScene();
+    const [note] = [...message.missing, ...(isTyped ? message.warnings : [])];
     if (note) this.#tell(note);
     if (message.isOld) return;
+    this.#typed = null;
     this.#lastGood = {state: this.#model.state, camera: this.#stage.camera, steps: this.#model.steps()};
     document.body.dataset.quality = message.quality;
     if (message.quality === 'draft') return;
@@ -172,15 +177,13 @@ class Page {
     this.#endWait();
     const model = this.#model;
     if (model === null) return;
-    const {camera, select} = this.#opening;
-    const opening = {base: select, edits: [], cuts: [], scene: null, isAsking: false};
-    const good = this.#lastGood ?? {state: opening, camera, steps: 0};
+    const good = this.#lastGood;
     if (model.state === good.state && this.#stage.camera === good.camera) return;
-    const typed = model.state.edits.length === 0 ? model.state.base : null;
-    [model.state, this.#stage.camera, this.#lastGood] = [good.state, good.camera, good];
+    [model.state, this.#stage.camera] = [good.state, good.camera];
     model.forgetSteps(good.steps);
     this.#changed();
-    if (typed !== null) byId('selection-text').value = typed;
+    if (this.#typed !== null) byId('selection-text').value = this.#typed;
+    this.#typed = null;
   }
 
   #tell(text) {
@@ -197,7 +200,7 @@ class Page {
     clearTimeout(this.#messageTimer);
     this.#endWait();
     document.body.dataset.stopped = 'true';
-    for (const part of ['views', 'scenes', 'panel', 'undo', 'show-all']) byId(part).inert = true;
+    for (const part of ['canvas', 'views', 'scenes', 'panel', 'undo', 'show-all']) byId(part).inert = true;
   }
 
   #stopFor(reason) {
@@ -246,7 +249,8 @@ class Page {
     byId('undo').addEventListener('click', () => this.#undo());
     byId('show-all').addEventListener('click', () => this.#showAll());
     byId('apply-text').addEventListener('click', () => {
-      this.#model.change({base: byId('selection-text').value, edits: []}, this.#stage.camera);
+      this.#typed = byId('selection-text').value;
+      this.#model.change({base: this.#typed, edits: []}, this.#stage.camera);
       this.#changed();
     });
     byId('depth-cue').addEventListener('change', () => this.#show());
@@ -258,6 +262,7 @@ class Page {
       this.#openSearch();
     });
     byId('copy-link').addEventListener('click', async () => {
+      if (this.#stage.camera.fit) return this.#tell('The picture is under way. Copy its link when it is there.');
       if (!this.#writeLink()) return this.#tell('The selection is too long for a link. Copy its text, or a scene.');
       return this.#copy(location.href, 'The link is copied.', 'The link is in the address bar.');
     });
@@ -311,6 +316,7 @@ class Page {
     });
     byId('text-size').addEventListener('change', event => {
       document.documentElement.style.setProperty('--text', event.target.value);
+      document.documentElement.toggleAttribute('data-large', event.target.value !== '1');
     });
     for (const [key, does] of kKeys)
       byId('keys').tBodies[0].append(element('tr', {}, element('th', {scope: 'row'}, key), element('td', {}, does)));
@@ -328,7 +334,8 @@ class Page {
 
   /** Keys of the whole page, except where a control takes text. */
   #key(event) {
-    const isUndo = event.key === 'z' && (event.ctrlKey || event.metaKey);
+    if (document.body.dataset.stopped) return;
+    const isUndo = event.key.toLowerCase() === 'z' && (event.ctrlKey || event.metaKey);
     if (event.target.closest('input:not([type=range]):not([type=checkbox]), textarea, select')) return;
     if (!isUndo && (event.ctrlKey || event.metaKey || event.altKey)) return;
     const view = this.#model.info.views[kViewKeys.indexOf(event.key)];
@@ -343,7 +350,8 @@ class Page {
     };
     const act = isUndo ? keys.u : view ? () => this.#turnTo({azimuth: view.azimuth, elevation: view.elevation}) :
       keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
-    if (!act || (event.key.startsWith('Page') && event.target.closest('input'))) return;
+    const scrolls = event.target.closest('input, #cutting, #display, #about');
+    if (!act || (event.key.startsWith('Page') && scrolls)) return;
     event.preventDefault();
     act();
   }
@@ -380,8 +388,8 @@ class Page {
       .filter(numbers => numbers.length === 4 && numbers.every(Number.isFinite) && numbers.slice(0, 3).some(n => n !== 0))
       .map(([x, y, z, offset]) => ({normal: [x, y, z], offset})).slice(0, kMaxCuts);
     const {scenes} = this.#model.info;
-    const n = Number(link.get('scene') ?? -1);
-    const scene = Number.isInteger(n) && n >= 0 && n < scenes.length ? n : null;
+    const n = link.get('scene') ?? '';
+    const scene = /^\d+$/.test(n) && Number(n) < scenes.length ? Number(n) : null;
     const isAsking = scene !== null && link.has('asks') && scenes[scene].question !== '';
     this.#model.change({base: link.get('select'), edits: [], scene, isAsking, cuts}, this.#stage.camera);
     if (isView) {

@@ -21,7 +21,8 @@ class Inspector {
       this.#edit(() => model.setAppearance(this.index, {opacity: Number(event.target.value) / 100}, camera())));
     byId('color').addEventListener('input', event =>
       this.#edit(() => model.setAppearance(this.index, {color: event.target.value}, camera())));
-    for (const id of ['opacity', 'color']) byId(id).addEventListener('change', () => model.endGesture());
+    for (const event of ['pointerup', 'blur']) byId('opacity').addEventListener(event, () => model.endGesture());
+    byId('color').addEventListener('change', () => model.endGesture());
     byId('isolate').addEventListener('click', () => this.isolate());
     this.update();
   }
@@ -105,7 +106,7 @@ class Scenes {
     return this.#show(this.#current === null ? 0 : (this.#current + by + count) % count);
   }
 
-  /** Marks a scene as the present one, with its question or its caption; null: none. `isChanged`: not quite it. */
+  /** Marks a scene as the present one, with its question or its caption; null: none. `isChanged`: another selection. */
   mark(n, isAsking, isChanged) {
     this.#current = n;
     this.#isAsking = isAsking;
@@ -153,7 +154,7 @@ class Cuts {
         if (side.value === '') side.value = 'high';
         read(`cut ${axis}`);
       });
-      slider.addEventListener('change', () => model.endGesture());
+      for (const event of ['pointerup', 'blur']) slider.addEventListener(event, () => model.endGesture());
       side.addEventListener('change', () => read(null));
       byId('cuts').append(
         element('div', {class: 'cut'}, element('span', {class: 'cut-name'}, name), side, slider, text));

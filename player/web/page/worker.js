@@ -1,7 +1,7 @@
 // A worker of the page: draws and picks with the module. Follows splatlas.js in one script.
 //
-// From the page:  {type: 'start', module, atlas or size}, 'given' pieces of an atlas on a server, and then {type: 'draw'},
-//                 {type: 'pick'} and {type: 'measure'}; see engine.js.
+// From the page:  {type: 'start', module, atlas or size}, 'given' and 'withheld' pieces of an atlas on a server, and then
+//                 {type: 'draw'}, {type: 'pick'} and {type: 'measure'}; see engine.js.
 // To the page:    'wanted' pieces, 'ready', 'picture', 'picked', 'measured', 'error' (the worker goes on) and 'fatal' (it
 //                 does not).
 'use strict';
@@ -28,6 +28,7 @@ channel.port1.onmessage = work;
 self.onmessage = ({data}) => {
   if (data.type === 'start') return start(data);
   if (data.type === 'given') return take(data.pieces);
+  if (data.type === 'withheld') return waiting = {};
   requests[data.type] = data;
   wake();
 };

@@ -18,7 +18,10 @@ constexpr std::uint64_t kNever = std::numeric_limits<std::uint64_t>::max();
 constinit std::atomic<std::uint64_t> made{0}, first_failure{kNever}, last_failure{kNever};
 constinit std::atomic<std::int64_t> alive{0};
 
+thread_local bool registers = false;  // a destructor
+
 bool fails() {
+  if (registers) return false;
   const std::uint64_t number = made.fetch_add(1, std::memory_order_relaxed);
   return number >= first_failure.load(std::memory_order_relaxed) &&
          number <= last_failure.load(std::memory_order_relaxed);
@@ -123,6 +126,15 @@ void* __libc_calloc(std::size_t count, std::size_t size);
 void* __libc_realloc(void* memory, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
 void __libc_free(void* memory);
+
+/// Registers the destructor of a thread_local. The C library ends the process without memory for it.
+int __cxa_thread_atexit_impl(void (*destructor)(void*), void* object, void* module) noexcept;
+int __cxa_thread_atexit(void (*destructor)(void*), void* object, void* module) noexcept {
+  splatlas::registers = true;
+  const int status = __cxa_thread_atexit_impl(destructor, object, module);
+  splatlas::registers = false;
+  return status;
+}
 
 void* malloc(std::size_t size) noexcept {
   void* const memory = splatlas::fails() ? nullptr : __libc_malloc(size);

@@ -43,6 +43,8 @@ TEST(DraftPace, MeansStandInForVoxelsThatTakeLongToPrepare) {
   EXPECT_EQ(pace.next(9, false), (VolumeDetail{0, 2})) << "too wide";
 }
 
+constexpr auto kReady = [](int /*level*/) { return true; };
+
 TEST(SurfacePace, SilhouettesAreExactWithinAPixelUnlessDraftsAreLate) {
   for (const auto& [voxel_pixels, fine, coarse] : {std::tuple(0.01, 5, 5),
                                                    {0.3, 3, 4},
@@ -52,21 +54,24 @@ TEST(SurfacePace, SilhouettesAreExactWithinAPixelUnlessDraftsAreLate) {
                                                    {3.0, 0, 1},
                                                    {3.1, 0, 0}}) {
     SurfacePace pace;
-    EXPECT_EQ(pace.next(voxel_pixels, true), fine) << voxel_pixels;
+    EXPECT_EQ(pace.next(voxel_pixels, kReady), fine) << voxel_pixels;
     pace.took(1e9, kBudget);
-    EXPECT_EQ(pace.next(voxel_pixels, true), coarse) << voxel_pixels;
+    EXPECT_EQ(pace.next(voxel_pixels, kReady), coarse) << voxel_pixels;
     pace.took(0, kBudget);
-    EXPECT_EQ(pace.next(voxel_pixels, true), std::max(coarse - 1, fine)) << voxel_pixels;
+    EXPECT_EQ(pace.next(voxel_pixels, kReady), std::max(coarse - 1, fine)) << voxel_pixels;
   }
 }
 
-TEST(SurfacePace, LevelOneStandsInForSurfacesThatTakeLongToDerive) {
+TEST(SurfacePace, CoarserSurfacesStandInForThoseThatTakeLongToDerive) {
+  const auto from = [](int ready) { return [ready](int level) { return level >= ready; }; };
   SurfacePace pace;
-  EXPECT_EQ(pace.next(2, false), 1);
+  EXPECT_EQ(pace.next(2, from(1)), 1);
   pace.took(20, kBudget);
-  EXPECT_EQ(pace.next(2, true), 0);
-  EXPECT_EQ(pace.next(9, false), 0) << "too wide";
-  EXPECT_EQ(pace.next(0.5, false), 2);
+  EXPECT_EQ(pace.next(2, kReady), 0);
+  EXPECT_EQ(pace.next(9, from(1)), 0) << "too wide";
+  EXPECT_EQ(pace.next(0.5, from(1)), 2);
+  EXPECT_EQ(pace.next(0.5, from(4)), 4);
+  EXPECT_EQ(pace.next(0.5, from(9)), 4) << "twelve pixels at most";
 }
 
 }  // namespace
