@@ -56,8 +56,6 @@ class SpanBuilder {
   [[nodiscard]] SpanModel& model() { return model_; }
   /// Number of slices that the latest build() rebuilt.
   [[nodiscard]] std::size_t slices_built() const { return slices_built_; }
-  /// Bytes of optical properties, in use or kept for the next build().
-  [[nodiscard]] std::uint64_t optical_bytes() const { return arena_.bytes(); }
 
  private:
   static constexpr std::uint32_t kNotDrawn = SelectedRuns::kNotDrawn;

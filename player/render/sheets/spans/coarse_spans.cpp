@@ -175,7 +175,7 @@ Grid coarse_grid(const Grid& grid, int level) {
 }
 
 CoarseSpans::CoarseSpans(const SpanRequest& request, int level, ThreadPool& pool)
-    : level_(level), shaded_(request.shade), runs_(request.runs.count()) {
+    : level_(level), shaded_(request.shade) {
   // Frame the blocks
   const SelectedRuns& runs = request.runs;
   model_ = empty_model(request);

@@ -31,13 +31,11 @@ class CoarseSpans {
   [[nodiscard]] bool fit(Axis axis, int level, bool shade) const {
     return model_.axis == axis && level_ == level && shaded_ == shade;
   }
-  [[nodiscard]] std::uint64_t runs() const { return runs_; }  ///< that they are made of
   [[nodiscard]] const SpanModel& model() const { return model_; }
 
  private:
   int level_;
   bool shaded_;
-  std::uint64_t runs_;
   OpticalArena arena_;  // of the model
   SpanModel model_;
   std::optional<ParallelView> lit_for_;
