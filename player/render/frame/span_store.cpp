@@ -168,6 +168,7 @@ SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& vie
     return {in_strips(source, std::move(runs), lighting, strips, pool), &*strip_runs_, shear, atlas.grid(),
             detail};
   }
+  strip_.reset();
   if (!spans) spans.emplace();
   spans->require(source, axis, pool);
   built();
