@@ -142,14 +142,8 @@ class ModelFrames {
 
   template <typename Walk>
   void build_spans(const SelectedRuns& selected, const Walk& walk) {
-    spans_.axis = selected.axis();
+    set_box(selected, spans_);
     set_appearances(plan_, appearances_.appearances(), models_.atlas->classes(), spans_);
-    spans_.scan_first = selected.box().first[0];
-    spans_.scan_voxels = selected.scan_voxels();
-    spans_.row_first = selected.box().first[1];
-    spans_.rows = selected.rows();
-    spans_.slice_first = selected.box().first[2];
-    spans_.slice_count = selected.slices();
     spans_.slices.resize(static_cast<std::size_t>(selected.slices()));  // slices keep their memory
     for (std::size_t n = 0; n < spans_.slices.size(); ++n)
       spans_.slices[n].number = spans_.slice_first + static_cast<std::int64_t>(n);

@@ -83,13 +83,12 @@ bool may_be_rough(const RenderOptions& options) {
          !options.ids && !options.depths && options.depth_cue == DepthCue::kNone;
 }
 
-void AxisSpans::require(const SpanSource& source, Axis axis, ThreadPool& pool) {
+void AxisSpans::require(const SpanSource& source, SelectedRuns runs, ThreadPool& pool) {
   const auto& [plan, appearances, atlas, cache, shade] = source;
   if (current(shade)) return;
   // If an allocation throws, no incomplete spans remain marked as current.
   runs_.reset();
   SpanBuilder spans = std::exchange(spans_, {});
-  SelectedRuns runs(plan, atlas.classes(), cache, axis);
   spans.build({runs, plan, appearances, atlas.classes(), atlas.grid(), cache, shade}, pool);
   spans_ = std::move(spans);
   runs_.emplace(std::move(runs));
@@ -170,7 +169,7 @@ SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& vie
   }
   strip_.reset();
   if (!spans) spans.emplace();
-  spans->require(source, axis, pool);
+  spans->require(source, std::move(runs), pool);
   built();
   spans->update_lighting(view, lighting, shade, options.cuts, atlas.grid(), pool);
   stats.traversal += watch.lap();

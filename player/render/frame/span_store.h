@@ -44,8 +44,8 @@ class AxisSpans {
   [[nodiscard]] bool current(bool shade) const { return runs_ && (lists_shaded_ || !shade); }
   /// Marks the spans as those of an earlier selection.
   void outdate() { runs_.reset(); }
-  /// Makes the spans current. Throws std::bad_alloc.
-  void require(const SpanSource& source, Axis axis, ThreadPool& pool);
+  /// Makes the spans current. `runs`: the selected ones. Throws std::bad_alloc.
+  void require(const SpanSource& source, SelectedRuns runs, ThreadPool& pool);
   /// Hybrid shading: applies the lighting of `view` to boundary voxels if it has changed, except to voxels
   /// that the cuts remove.
   void update_lighting(const ParallelView& view, const Lighting& lighting, bool shade, const CutPlanes& cuts,

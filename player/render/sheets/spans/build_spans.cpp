@@ -190,9 +190,7 @@ void set_appearances(const DrawPlan& plan, std::span<const VolumeAppearance> app
   model.mean_densest_per_mm = voxels > 0 ? extinctions / voxels : 0;
 }
 
-SpanModel empty_model(const SpanRequest& request) {
-  const SelectedRuns& runs = request.runs;
-  SpanModel model;
+void set_box(const SelectedRuns& runs, SpanModel& model) {
   model.axis = runs.axis();
   model.scan_first = runs.box().first[0];
   model.scan_voxels = runs.scan_voxels();
@@ -200,6 +198,11 @@ SpanModel empty_model(const SpanRequest& request) {
   model.rows = runs.rows();
   model.slice_first = runs.box().first[2];
   model.slice_count = runs.slices();
+}
+
+SpanModel empty_model(const SpanRequest& request) {
+  SpanModel model;
+  set_box(request.runs, model);
   set_appearances(request.plan, request.appearances.appearances(), request.classes, model);
   return model;
 }

@@ -19,6 +19,9 @@ namespace splatlas {
 void set_appearances(const DrawPlan& plan, std::span<const VolumeAppearance> appearances,
                      const ClassTable& classes, SpanModel& model);
 
+/// Sets the axis and the box of a model.
+void set_box(const SelectedRuns& runs, SpanModel& model);
+
 /// Input of SpanBuilder::build().
 struct SpanRequest {
   const SelectedRuns& runs;
