@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "format/content/atlas_content.h"
+#include "format/content/block_means.h"
 #include "format/content/decision_tree.h"
 #include "format/content/run_model.h"
 #include "format/result.h"
@@ -24,7 +25,8 @@ class InputFile;
 
 /// Size of one part of the file.
 struct SectionSize {
-  std::string name;  ///< "header", "directory", "runs_x", "runs_y", "runs_z", "values", "normals", "surfaces"
+  std::string name;  ///< "header", "directory", "runs_x", "runs_y", "runs_z", "values", "normals",
+                     ///< "surfaces", "means"
   std::uint64_t bytes = 0;
 };
 
@@ -89,6 +91,12 @@ class Atlas {
   /// Grey values of the voxels of a class (including the empty class) in memory order:
   /// voxels(c) * bytes_of(value_type()) bytes.
   [[nodiscard]] Result<std::vector<std::byte>> read_values(ClassId c) const;
+  /// The means of the grey values of a class, and of all classes in the same structures, in blocks of voxels
+  /// (format/content/block_means.h): stored ones, else those of the values. No means in an
+  /// atlas without values.
+  [[nodiscard]] Result<BlockMeans> read_means(ClassId c) const;
+  /// True if these means are stored, so that they are read without the values.
+  [[nodiscard]] bool has_means(ClassId c) const;
   /// Normals of a class with a boundary membership, in memory order; empty for other classes.
   [[nodiscard]] Result<std::vector<PackedNormal>> read_normals(ClassId c) const;
   /// The surface of one structure; empty for a group. `level`: for drafts, that of blocks of 2^level voxels

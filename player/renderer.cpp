@@ -138,15 +138,18 @@ struct Renderer::Impl {
                               FitFrame::of(camera, options.size, atlas->display(), region));
     SPLATLAS_RETURN_IF_ERROR(check_size(options));
 
-    // Decode the data of the picture
+    // Decode the data of the picture; for drafts within a budget no more than tells the extents
     Stopwatch watch;
     const Axis axis =
         is_by_rays(frame.view(), options) ? Axis::kZ : factorise(frame.view().plane, atlas->grid()).principal;
-    SPLATLAS_RETURN_IF_ERROR(decode(axis, options));
+    const bool rough = may_be_rough(options);
+    constexpr double kVoxelPixels = SurfacePace::kFinePixels;  // the finest surfaces that are quick
+    const int level = decoded.surface_level(drawn.plan(), kVoxelPixels, options, pool);
+    SPLATLAS_RETURN_IF_ERROR(decode(axis, options, rough ? VoxelParts::kRuns : parts_of(options), level));
     fit_decode_ms += watch.lap().wall_ms;
 
     const DrawPlan part = structures ? part_of(drawn.plan(), *structures, *atlas) : drawn.plan();
-    const FitExtents extents = extents_of(part, *atlas, decoded.cache(), axis, options.cuts,
+    const FitExtents extents = extents_of(part, *atlas, decoded.cache(), axis, level, options.cuts,
                                           frame.planes(index_to_lps_mm(atlas->grid())), pool);
     stats.select_ms += watch.lap().wall_ms;
     return within_reach(extents.empty() ? frame.whole() : frame.fitted(extents));
@@ -162,7 +165,10 @@ struct Renderer::Impl {
     task.begin_stage(kDecoded);
     Stopwatch watch;
     stats.surface_level = decoded.surface_level(drawn.plan(), shear.voxel_pixels(), options, pool);
-    SPLATLAS_RETURN_IF_ERROR(decode(shear.principal, options, stats.surface_level));
+    const bool by_blocks = decoded.waits_for_values(drawn.plan(), shear.voxel_pixels(), options, pool) &&
+                           spans.require_blocks(atlas, drawn.plan(), drawn.selection(), pool);
+    SPLATLAS_RETURN_IF_ERROR(decode(shear.principal, options,
+                                    by_blocks ? VoxelParts::kNone : parts_of(options), stats.surface_level));
     stats.decode_ms = std::exchange(fit_decode_ms, 0) + watch.lap().wall_ms;
 
     // Merge runs to spans, and light them
@@ -170,8 +176,11 @@ struct Renderer::Impl {
     const Lighting lighting(view.plane);
     const double select_ms = stats.select_ms;
     const SheetVolume volume =
-        spans.prepare({drawn.plan(), drawn.appearances(), *atlas, decoded.cache(), options.hybrid_shading},
-                      view.plane, shear, lighting, options, memory_for_spans(options), stats, pool);
+        by_blocks
+            ? spans.prepare_blocks(view.plane, shear.principal, options.hybrid_shading, lighting, stats, pool)
+            : spans.prepare(
+                  {drawn.plan(), drawn.appearances(), *atlas, decoded.cache(), options.hybrid_shading},
+                  view.plane, shear, lighting, options, memory_for_spans(options), stats, pool);
 
     // Rasterise surfaces, render sheets, resolve both into the picture
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache(), stats.surface_level);
@@ -179,7 +188,11 @@ struct Renderer::Impl {
     SheetFrame stages(scene, volume, buffers, stats, pool);
     SPLATLAS_RETURN_IF_ERROR(run_stages(stages, kSheetLoops, call, frame));
     stats.render_ms = watch.lap().wall_ms - (stats.select_ms - select_ms);
-    spans.took(stats, options);
+    if (by_blocks) {
+      forget_frames();  // picks need the voxels
+    } else {
+      spans.took(stats, options);
+    }
     decoded.took(stats, options);
     return {};
   }
@@ -190,7 +203,7 @@ struct Renderer::Impl {
     // Decode the selection
     task.begin_stage(kDecoded);
     Stopwatch watch;
-    SPLATLAS_RETURN_IF_ERROR(decode(Axis::kZ, options));
+    SPLATLAS_RETURN_IF_ERROR(decode(Axis::kZ, options, parts_of(options)));
     stats.decode_ms = std::exchange(fit_decode_ms, 0) + watch.lap().wall_ms;
 
     // Build the ray volume, and light it
@@ -217,11 +230,14 @@ struct Renderer::Impl {
     return {};
   }
 
+  [[nodiscard]] static VoxelParts parts_of(const RenderOptions& options) {
+    return options.hybrid_shading ? VoxelParts::kNormals : VoxelParts::kValues;
+  }
   /// Reads and decodes the parts of the plan that are not in the cache. Removes damaged parts from the plan.
-  [[nodiscard]] Result<void> decode(Axis axis, const RenderOptions& options, int surface_level = 0) {
-    SPLATLAS_ASSIGN_OR_RETURN(
-        std::optional<DrawPlan> rest,
-        decoded.require(drawn.plan(), axis, options.hybrid_shading, surface_level, pool));
+  [[nodiscard]] Result<void> decode(Axis axis, const RenderOptions& options, VoxelParts parts,
+                                    int surface_level = 0) {
+    SPLATLAS_ASSIGN_OR_RETURN(std::optional<DrawPlan> rest,
+                              decoded.require(drawn.plan(), axis, parts, surface_level, pool));
     if (rest) draw(*std::move(rest));
     if (!decoded.missing().empty() && drawn.draws_nothing())
       return tl::unexpected(decoded.missing().front().error);

@@ -18,7 +18,7 @@ check() {
   fi
 }
 
-check product 60720 format preprocess player schemas
-check tests 49020 tests
+check product 61620 format preprocess player schemas
+check tests 49360 tests
 check bench 8500 bench
 exit "$bad"

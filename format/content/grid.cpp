@@ -228,4 +228,15 @@ void reorder_voxels(const void* from, const Index3& size, const AxisOrder& order
   }
 }
 
+Grid coarse_grid(const Grid& grid, int level) {
+  Grid coarse = grid;
+  const double middle = (std::ldexp(1.0, level) - 1) / 2;  // of the first block, in voxels
+  coarse.origin_lps_mm = index_to_lps_mm(grid).apply({middle, middle, middle});
+  for (std::size_t a = 0; a < 3; ++a) {
+    coarse.size[a] = ((grid.size[a] - 1) >> level) + 1;
+    coarse.spacing_mm[a] = std::ldexp(grid.spacing_mm[a], level);
+  }
+  return coarse;
+}
+
 }  // namespace splatlas

@@ -116,4 +116,7 @@ struct AxisOrder {
 void reorder_voxels(const void* from, const Index3& size, const AxisOrder& order, std::size_t bytes_per_voxel,
                     void* to);
 
+/// The grid of blocks of 2^level voxels along each axis. Blocks at the end may reach beyond `grid`.
+[[nodiscard]] Grid coarse_grid(const Grid& grid, int level);
+
 }  // namespace splatlas

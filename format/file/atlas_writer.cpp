@@ -11,11 +11,11 @@
 #include "format/codec/mask_codec.h"
 #include "format/codec/run_codec.h"
 #include "format/codec/surface_codec.h"
-#include "format/codec/value_codec.h"
 #include "format/content/run_model.h"
 #include "format/derive/boundary_split.h"
 #include "format/derive/fit_surface.h"
 #include "format/file/directory.h"
+#include "format/file/encode_group.h"
 #include "format/file/file_layout.h"
 #include "format/file/fitted_content.h"
 #include "format/io/memory_limit.h"
@@ -51,8 +51,8 @@ class AtlasEncoder {
   [[nodiscard]] Result<SectionBytes> gather_runs(Axis axis);
   void append_runs(const ClassRuns& runs, const IndexBox& box, Axis axis, SectionBytes& bytes) const;
   [[nodiscard]] ClassRuns joined_runs(const RunStreams& streams, const RunModel& model, ClassId c) const;
-  void encode_group(const ValueGroups& groups, std::size_t group, std::span<std::byte> code) const;
-  [[nodiscard]] SectionBytes gather_values() const;
+  [[nodiscard]] SectionBytes gather_values();
+  [[nodiscard]] SectionBytes gather_means();
   [[nodiscard]] SectionBytes gather_normals() const;
   [[nodiscard]] Result<SectionBytes> gather_surfaces();
   void leave_out_fitted_parts();
@@ -68,6 +68,7 @@ class AtlasEncoder {
   Directory directory_;
   std::vector<FittedSurface> fitted_surfaces_;  // [structure]
   RunModel z_runs_;
+  std::vector<EncodedMeans> means_;             // [group]
   std::vector<std::vector<std::byte>> chunks_;  // stored bytes, in file order
   double work_before_ = 0, work_now_ = 0, work_ = 0;
 };
@@ -89,6 +90,11 @@ Directory describe(const AtlasContent& content) {
   return directory;
 }
 
+bool stores_means(const ValueGroups& groups, const ClassTable& classes, std::size_t group,
+                  const WriteOptions& options) {
+  return group != groups.group_of[kEmptyClass] && group_voxels(groups, classes, group) >= options.means_from;
+}
+
 std::vector<SectionKind> sections_of(const AtlasContent& content, const WriteOptions& options) {
   std::vector<SectionKind> kinds;
   if (!options.compact) kinds = {SectionKind::kRunsX, SectionKind::kRunsY};
@@ -96,6 +102,10 @@ std::vector<SectionKind> sections_of(const AtlasContent& content, const WriteOpt
   if (!content.values.empty()) kinds.push_back(SectionKind::kValues);
   kinds.push_back(SectionKind::kNormals);
   kinds.push_back(SectionKind::kSurfaces);
+  const ValueGroups groups(content.classes);
+  std::size_t g = 0;
+  while (g < groups.size() && !stores_means(groups, content.classes, g, options)) ++g;
+  if (g < groups.size() && !content.values.empty()) kinds.push_back(SectionKind::kMeans);
   return kinds;
 }
 
@@ -107,7 +117,8 @@ double work_of(SectionKind kind, const AtlasContent& content) {
     case SectionKind::kRunsY:
     case SectionKind::kRunsZ: return voxels / 8;
     case SectionKind::kValues: return static_cast<double>(content.values.bytes.size());
-    case SectionKind::kNormals: return voxels / 8;
+    case SectionKind::kNormals:
+    case SectionKind::kMeans: return voxels / 8;
     case SectionKind::kSurfaces: break;
   }
   double triangles = 1;
@@ -159,6 +170,7 @@ Result<SectionBytes> AtlasEncoder::gather(SectionKind kind) {
     case SectionKind::kRunsZ: return gather_runs(Axis::kZ);
     case SectionKind::kValues: return gather_values();
     case SectionKind::kNormals: return gather_normals();
+    case SectionKind::kMeans: return gather_means();
     case SectionKind::kSurfaces: break;
   }
   return gather_surfaces();
@@ -233,36 +245,30 @@ void AtlasEncoder::count_runs() {
   }
 }
 
-void AtlasEncoder::encode_group(const ValueGroups& groups, std::size_t group,
-                                std::span<std::byte> code) const {
-  std::vector<ClassRuns> runs;
-  for (const ClassId c : groups.locating_classes(group)) runs.push_back(z_runs_.classes[c]);
-  const std::vector<ClassSpan> spans = group_spans(groups, group, runs, size_);
-  const GroupVoxels voxels{spans, group_voxels(groups, content_.classes, group),
-                           group_box(groups, content_.classes, group, size_), size_[1]};
-  std::vector<std::byte> values;
-  const std::size_t value_bytes = bytes_of(content_.values.type);
-  values.reserve(voxels.voxels * value_bytes);
-  for (const ClassSpan& span : spans) {
-    const std::uint64_t first = span.run.scanline * static_cast<std::uint64_t>(size_[0]) + span.run.start;
-    const std::byte* const from = content_.values.bytes.data() + first * value_bytes;
-    values.insert(values.end(), from, from + span.run.length * value_bytes);
-  }
-  encode_values(voxels, content_.values.type, values, code);
-}
-
-SectionBytes AtlasEncoder::gather_values() const {
+SectionBytes AtlasEncoder::gather_values() {
   const ValueGroups groups(content_.classes);
   const std::vector<std::uint64_t> begins = begins_of(stream_sizes(directory_, SectionKind::kValues));
   SectionBytes bytes(begins.back());
+  means_.resize(groups.size());
   parallel_for(
       groups.size(), options_.threads,
       [&](std::size_t g) {
-        encode_group(groups, g, std::span(bytes).subspan(begins[g], begins[g + 1] - begins[g]));
+        const bool with_means = stores_means(groups, content_.classes, g, options_);
+        means_[g] = encode_group(content_, z_runs_, groups, g, with_means,
+                                 std::span(bytes).subspan(begins[g], begins[g + 1] - begins[g]));
       },
       [&](std::size_t done) {
         report(kGathering * static_cast<double>(done) / static_cast<double>(groups.size()));
       });
+  return bytes;
+}
+
+SectionBytes AtlasEncoder::gather_means() {
+  SectionBytes bytes;
+  for (const EncodedMeans& of_group : means_) {
+    directory_.mean_blocks.push_back(of_group.blocks);
+    bytes.insert(bytes.end(), of_group.code.begin(), of_group.code.end());
+  }
   return bytes;
 }
 

@@ -20,6 +20,7 @@ std::string section_name(std::uint32_t kind) {
     case SectionKind::kValues: return "values";
     case SectionKind::kNormals: return "normals";
     case SectionKind::kSurfaces: return "surfaces";
+    case SectionKind::kMeans: return "means";
   }
   return fmt::format("section {}", kind);
 }
@@ -253,6 +254,8 @@ Result<Directory> decode_directory(std::span<const std::byte> bytes) {
   }
   for (const std::uint8_t fitted : *d.normals_fitted()) directory.normals_fitted.push_back(fitted != 0);
   directory.fingerprints.assign(d.fingerprints()->begin(), d.fingerprints()->end());
+  if (d.mean_blocks() != nullptr)
+    directory.mean_blocks.assign(d.mean_blocks()->begin(), d.mean_blocks()->end());
   read_scenes_and_sources(d, text, directory);
   SPLATLAS_RETURN_IF_ERROR(read_chunks(d, directory));
   return directory;

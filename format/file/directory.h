@@ -33,8 +33,9 @@ enum class SectionKind : std::uint32_t {
   kValues = 4,
   kNormals = 5,
   kSurfaces = 6,
+  kMeans = 7,
 };
-/// "runs_x", ..., "surfaces"; "section 17" for an unknown kind.
+/// "runs_x", ..., "means"; "section 17" for an unknown kind.
 [[nodiscard]] std::string section_name(std::uint32_t kind);
 [[nodiscard]] inline std::string section_name(SectionKind kind) {
   return section_name(static_cast<std::uint32_t>(kind));
@@ -66,6 +67,7 @@ struct Directory {
   std::vector<VoxelSetFingerprint> fingerprints;        ///< [class]: of its voxels
   std::vector<bool> normals_fitted;                     ///< [class]: not stored, derived by fit_normals()
   std::vector<SurfaceEntry> surfaces;                   ///< per structure
+  std::vector<std::uint32_t> mean_blocks;               ///< [group]: blocks with a stored mean; empty: none
   std::vector<Scene> scenes;
   Provenance provenance;
   std::vector<SectionEntry> sections;  ///< in file order

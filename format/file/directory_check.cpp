@@ -8,6 +8,7 @@
 
 #include "format/codec/run_codec.h"
 #include "format/codec/surface_codec.h"
+#include "format/derive/block_means.h"
 #include "format/derive/boundary_split.h"
 #include "format/file/directory.h"
 #include "format/result_macros.h"
@@ -202,6 +203,27 @@ Result<void> check_surfaces(const Directory& d, const Grid& grid) {
   return {};
 }
 
+Result<void> check_means(const Directory& d, const ValueGroups& groups, const Grid& grid) {
+  const bool has_section = std::ranges::count(d.sections, static_cast<std::uint32_t>(SectionKind::kMeans),
+                                              &SectionEntry::kind) != 0;
+  const std::size_t expected = has_section && d.value_type != VoxelType::kNone ? groups.size() : 0;
+  if (d.mean_blocks.size() != expected) {
+    return invalid_atlas("invalid: numbers of means of {} groups, expected {}", d.mean_blocks.size(),
+                         expected);
+  }
+  for (std::size_t g = 0; g < expected; ++g) {
+    const std::uint64_t voxels = group_voxels(groups, d.classes, g), blocks = d.mean_blocks[g];
+    if (blocks == 0) continue;
+    const IndexBox box = group_box(groups, d.classes, g, grid.size);
+    if (g == groups.group_of[kEmptyClass] || !may_have_means(box) || blocks > voxels ||
+        blocks << (3 * kMeanLevel) < voxels || blocks > box_of_blocks(box).voxels()) {
+      return invalid_atlas("invalid: {} means of the {} voxels of class {}", d.mean_blocks[g], voxels,
+                           groups.classes[g].front());
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<void> validate(const Directory& d) {
@@ -219,6 +241,7 @@ Result<void> validate(const Directory& d, const RunStreams& streams) {
   SPLATLAS_RETURN_IF_ERROR(check_runs(d, streams));
   SPLATLAS_RETURN_IF_ERROR(check_normals(d));
   SPLATLAS_RETURN_IF_ERROR(check_surfaces(d, grid));
+  SPLATLAS_RETURN_IF_ERROR(check_means(d, streams.groups(), grid));
   return {};
 }
 

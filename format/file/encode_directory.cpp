@@ -138,7 +138,8 @@ Result<std::vector<std::byte>> encode_directory(const Directory& directory) {
           has_terms ? builder.CreateVector(structures.term_text.ends()) : 0,
           has_terms ? builder.CreateVector(structures.term_text.bytes()) : 0,
           has_scene_text ? builder.CreateVector(scene_text.ends()) : 0,
-          has_scene_text ? builder.CreateVector(scene_text.bytes()) : 0),
+          has_scene_text ? builder.CreateVector(scene_text.bytes()) : 0,
+          directory.mean_blocks.empty() ? 0 : builder.CreateVector(directory.mean_blocks)),
       schema::DirectoryIdentifier());
   const auto* begin = reinterpret_cast<const std::byte*>(builder.GetBufferPointer());
   return std::vector<std::byte>(begin, begin + builder.GetSize());

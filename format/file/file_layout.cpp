@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "format/codec/value_codec.h"
+#include "format/derive/block_means.h"
 #include "format/io/checksum.h"
 #include "format/result_macros.h"
 
@@ -113,11 +114,18 @@ std::vector<std::uint64_t> stream_sizes(const Directory& directory, const ValueG
     return sizes;
   }
   const ClassTable& classes = directory.classes;
+  const Index3 size = reordered(directory.source_grid, directory.source_to_storage).size;
   if (kind == SectionKind::kValues) {
-    const Index3 size = reordered(directory.source_grid, directory.source_to_storage).size;
     for (std::size_t g = 0; g < groups.size(); ++g) {
       sizes.push_back(value_code_bytes(directory.value_type, group_box(groups, classes, g, size),
                                        group_voxels(groups, classes, g)));
+    }
+    return sizes;
+  }
+  if (kind == SectionKind::kMeans) {
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      const IndexBox blocks = box_of_blocks(group_box(groups, classes, g, size));
+      sizes.push_back(value_code_bytes(directory.value_type, blocks, directory.mean_blocks[g]));
     }
     return sizes;
   }
@@ -160,7 +168,7 @@ namespace {
 
 bool is_known(std::uint32_t kind) {
   return kind >= static_cast<std::uint32_t>(SectionKind::kRunsX) &&
-         kind <= static_cast<std::uint32_t>(SectionKind::kSurfaces);
+         kind <= static_cast<std::uint32_t>(SectionKind::kMeans);
 }
 
 /// Divides the streams of a known section and compares with its chunks.

@@ -74,8 +74,8 @@ struct FileLayout {
   [[nodiscard]] const SectionLayout* find(SectionKind kind) const;
 };
 
-/// Decoded lengths of the streams of a section: run lists and normals per class, values per group of classes
-/// (see ValueGroups), surfaces per structure in preorder of the graph.
+/// Decoded lengths of the streams of a section: run lists and normals per class, values and means per group
+/// of classes (see ValueGroups), surfaces per structure in preorder of the graph.
 [[nodiscard]] std::vector<std::uint64_t> stream_sizes(const Directory& directory, SectionKind kind);
 
 /// The same with precomputed groups.

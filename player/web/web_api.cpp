@@ -124,6 +124,7 @@ Result<void> fit(Renderer& renderer, const PictureSize& size, std::optional<Stru
   Camera& camera = player().camera;
   RenderOptions options = player().options;
   options.size = size;
+  options.quality = Quality::kDraft;
   std::vector<StructureIndex> part;
   if (structure) part = renderer.atlas().graph().descendants(*structure);
   const auto of = structure ? std::optional<std::span<const StructureIndex>>(part) : std::nullopt;

@@ -47,7 +47,7 @@ void mutate_stream(AtlasParts& parts, std::size_t max_bytes, Random& random,
                    const MutateBytes& mutate_bytes) {
   if (parts.directory.sections.empty()) return;
   const auto kind = static_cast<SectionKind>(any_of(parts.directory.sections, random).kind);
-  if (kind < SectionKind::kRunsX || kind > SectionKind::kSurfaces) return;
+  if (kind < SectionKind::kRunsX || kind > SectionKind::kMeans) return;
   std::vector<Bytes> streams = decode_streams(parts, kind);
   std::vector<std::size_t> full;
   for (std::size_t n = 0; n < streams.size(); ++n) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "format/atlas_reader.h"
+#include "format/codec/value_codec.h"
 #include "format/content/decision_tree.h"
 #include "format/derive/boundary_split.h"
 #include "format/derive/part_rows.h"
@@ -64,7 +65,15 @@ struct Atlas::Impl {
   [[nodiscard]] Result<std::vector<PackedNormal>> fit_normals_of(ClassId c) const;
   /// The voxels of a group of classes.
   [[nodiscard]] Result<std::vector<ClassSpan>> read_spans(std::size_t group) const;
+  /// The same, of any of its classes.
+  [[nodiscard]] Result<std::vector<ClassSpan>> read_undivided_spans(std::size_t group) const;
+  /// Decodes the stream of a group in section values or means; `voxels` are those of the stream.
+  [[nodiscard]] Result<std::vector<std::byte>> decode_values_of(std::size_t group, SectionKind kind,
+                                                                const GroupVoxels& voxels) const;
   [[nodiscard]] Result<ValueCache::GroupValues> decode_group(std::size_t group) const;
+  [[nodiscard]] Result<BlockMeans> read_group_means(std::size_t group) const;
+  /// Compares stored means with those of the values.
+  [[nodiscard]] Result<void> verify_means(std::size_t group) const;
   [[nodiscard]] Result<std::vector<std::byte>> read_class_values(ClassId c) const;
   [[nodiscard]] Result<void> check_class(ClassId c) const;
   [[nodiscard]] Result<void> check_structure(StructureIndex s) const;

@@ -128,7 +128,8 @@ std::string SectionReader::describe(const SectionLayout& section, std::size_t n)
     };
     return from_to("structure", "structures", id(first), id(last));
   }
-  if (section.kind != static_cast<std::uint32_t>(SectionKind::kValues))
+  if (section.kind != static_cast<std::uint32_t>(SectionKind::kValues) &&
+      section.kind != static_cast<std::uint32_t>(SectionKind::kMeans))
     return from_to("class", "classes", first, last);
   const ValueGroups groups(directory_.classes);
   return from_to("class", "classes", groups.classes[static_cast<std::size_t>(first)].front(),

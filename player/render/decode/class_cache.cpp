@@ -91,15 +91,16 @@ void leave_out_groups(const std::map<std::uint32_t, Error>& failed, const ValueG
 }  // namespace
 
 std::vector<ClassCache::Missing> ClassCache::missing_of(std::span<const ClassId> classes, Axis axis,
-                                                        bool normals) const {
+                                                        VoxelParts parts) const {
+  const bool values = parts >= VoxelParts::kValues && atlas_->value_type() != VoxelType::kNone;
   std::vector<Missing> missing;
   for (const ClassId c : classes) {
     const auto known = classes_.find(c);
     const DecodedClass decoded = known == classes_.end() ? DecodedClass{} : known->second;
     Missing lacks{.id = c,
                   .runs = !decoded.run_count[static_cast<std::size_t>(axis)],
-                  .values = !decoded.has_values && atlas_->value_type() != VoxelType::kNone,
-                  .normals = !decoded.has_normals && normals,
+                  .values = !decoded.has_values && values,
+                  .normals = !decoded.has_normals && parts == VoxelParts::kNormals,
                   .read = {},
                   .result = {}};
     if (lacks.runs || lacks.values || lacks.normals) missing.push_back(std::move(lacks));
@@ -107,9 +108,10 @@ std::vector<ClassCache::Missing> ClassCache::missing_of(std::span<const ClassId>
   return missing;
 }
 
-double ClassCache::memory_of(std::span<const Missing> missing, Axis axis, bool normals) const {
+double ClassCache::memory_of(std::span<const Missing> missing, Axis axis, VoxelParts parts) const {
   const Grid& grid = atlas_->grid();
-  const auto voxel_bytes = static_cast<double>(value_bytes() + (normals ? sizeof(PackedNormal) : 0));
+  const auto voxel_bytes = static_cast<double>((parts >= VoxelParts::kValues ? value_bytes() : 0) +
+                                               (parts == VoxelParts::kNormals ? sizeof(PackedNormal) : 0));
   const double grid_bytes = static_cast<double>(grid.voxels()) * voxel_bytes;
   constexpr double kPageBytes = 4096;
   double voxels = 0, pages = 0;
@@ -174,11 +176,11 @@ Result<void> ClassCache::reserve(std::span<const Missing> missing) {
 }
 
 Result<void> ClassCache::require(std::span<const ClassId> classes, Axis axis, ThreadPool& pool,
-                                 bool normals) {
+                                 VoxelParts parts) {
   failed_classes_.clear();
-  std::vector<Missing> missing = missing_of(classes, axis, normals);
+  std::vector<Missing> missing = missing_of(classes, axis, parts);
   if (missing.empty()) return {};
-  check_memory(memory_of(missing, axis, normals));
+  check_memory(memory_of(missing, axis, parts));
   SPLATLAS_RETURN_IF_ERROR(reserve(missing));
 
   // Sort the largest classes first for load balance. Small classes share chunks and stay in order. Boundary
@@ -191,30 +193,31 @@ Result<void> ClassCache::require(std::span<const ClassId> classes, Axis axis, Th
 
   // Decode in parallel and record the results
   pool.for_each(missing.size(), [&](std::size_t n) { missing[n].result = decode(missing[n], axis); });
-  keep_runs(missing, axis, pool);
+  std::vector<std::pair<ClassId, const ClassRuns*>> runs;
+  for (const Missing& of : missing) {
+    if (of.result && of.runs) runs.emplace_back(of.id, &of.read);
+  }
+  keep_runs(runs, axis, atlas_->grid().size[ScanOrder::of(axis).row_axis], pool);
   for (const Missing& of : missing) {
     if (!of.result) {
       failed_classes_.push_back({of.id, of.result.error()});
       continue;
     }
     DecodedClass& decoded = classes_[of.id];
-    if (of.runs) decoded.run_count[static_cast<std::size_t>(axis)] = of.read.size();
-    decoded.has_values = true;
+    decoded.has_values = decoded.has_values || of.values;
     decoded.has_normals = decoded.has_normals || of.normals;
   }
   if (failed_classes_.empty()) return {};
   return tl::unexpected(failed_classes_.front().error);
 }
 
-void ClassCache::keep_runs(std::span<const Missing> missing, Axis axis, ThreadPool& pool) {
+void ClassCache::keep_runs(std::span<const std::pair<ClassId, const ClassRuns*>> runs, Axis axis,
+                           std::int64_t rows, ThreadPool& pool) {
   const auto n = static_cast<std::size_t>(axis);
-  std::vector<std::pair<ClassId, const ClassRuns*>> runs;
-  for (const Missing& of : missing) {
-    if (of.result && of.runs) runs.emplace_back(of.id, &of.read);
-  }
   if (runs.empty()) return;
   try {
-    runs_[n].insert(runs, atlas_->grid().size[ScanOrder::of(axis).row_axis], pool);
+    runs_[n].insert(runs, rows, pool);
+    for (const auto& [id, of_class] : runs) classes_[id].run_count[n] = of_class->size();
   } catch (...) {  // out of memory: discard the partial insertion
     runs_[n] = {};
     for (auto& [id, decoded] : classes_) decoded.run_count[n].reset();

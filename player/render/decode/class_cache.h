@@ -2,10 +2,12 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "format/atlas_reader.h"
@@ -40,6 +42,9 @@ struct FailedSurface {
 /// Classes of a plan that contribute to the volume, in the plan's order.
 [[nodiscard]] std::vector<ClassId> volume_classes(const DrawPlan& plan);
 
+/// What is decoded of the voxels of classes; each includes the ones before.
+enum class VoxelParts : std::uint8_t { kNone, kRuns, kValues, kNormals };
+
 /// Cache of an atlas's classes and surfaces: a new selection reads only its new parts. Values (and normals)
 /// of all decoded classes share one volume in memory order of the grid. Only written pages are resident. Not
 /// thread-safe, except for const members.
@@ -47,11 +52,24 @@ class ClassCache {
  public:
   explicit ClassCache(std::shared_ptr<const Atlas> atlas) : atlas_(std::move(atlas)) {}
 
-  /// Makes runs of `axis`, values and (with `normals`) normals of `classes` available; reads only missing
-  /// parts, in parallel. Classes that fail are listed in failed_classes(), and nothing of them is kept; the
-  /// others become available. Returns the first failure.
+  /// Makes parts of `classes` available, with runs of `axis`; reads only missing parts, in parallel. Classes
+  /// that fail are listed in failed_classes(), and nothing of them is kept; the others become available.
+  /// Returns the first failure.
   [[nodiscard]] Result<void> require(std::span<const ClassId> classes, Axis axis, ThreadPool& pool,
-                                     bool normals = true);
+                                     VoxelParts parts = VoxelParts::kNormals);
+  /// Keeps voxels of another grid, as if they had been decoded: runs along an axis of classes that have none
+  /// there. `rows`: of a slice of that grid.
+  void keep_runs(std::span<const std::pair<ClassId, const ClassRuns*>> runs, Axis axis, std::int64_t rows,
+                 ThreadPool& pool);
+  /// Their values and normals, in memory order of that grid.
+  void keep_voxels(SparseBytes values, SparseBytes normals) {
+    values_ = std::move(values);
+    normals_ = std::move(normals);
+  }
+  [[nodiscard]] bool has_values(ClassId c) const {
+    const auto known = classes_.find(c);
+    return known != classes_.end() && known->second.has_values;
+  }
   /// The same for surfaces of a level of detail (Atlas::read_surface()).
   [[nodiscard]] Result<void> require_surfaces(std::span<const StructureIndex> structures, ThreadPool& pool,
                                               int level = 0);
@@ -109,13 +127,11 @@ class ClassCache {
   }
   struct Missing;
   [[nodiscard]] std::vector<Missing> missing_of(std::span<const ClassId> classes, Axis axis,
-                                                bool normals) const;
+                                                VoxelParts parts) const;
   /// Upper bound of the bytes that these classes will take.
-  [[nodiscard]] double memory_of(std::span<const Missing> missing, Axis axis, bool normals) const;
+  [[nodiscard]] double memory_of(std::span<const Missing> missing, Axis axis, VoxelParts parts) const;
   [[nodiscard]] Result<void> reserve(std::span<const Missing> missing);
   [[nodiscard]] Result<void> decode(Missing& missing, Axis axis) const;
-  void keep_runs(std::span<const Missing> missing, Axis axis, ThreadPool& pool);
-
   std::shared_ptr<const Atlas> atlas_;
   std::unordered_map<ClassId, DecodedClass> classes_;
   std::array<ScanlineRuns, 3> runs_;

@@ -33,15 +33,28 @@ int DecodedSelection::surface_level(const DrawPlan& plan, double voxel_pixels, c
   });
 }
 
+bool DecodedSelection::waits_for_values(const DrawPlan& plan, double voxel_pixels,
+                                        const RenderOptions& options, const ThreadPool& pool) const {
+  constexpr double kMsPerVoxel = 100e-6;  // to decode values and normals, on one thread
+  constexpr double kMaxWaitMs = 500, kMaxPixels = 32;
+  if (!may_be_rough(options) || std::ldexp(voxel_pixels, kMeanLevel) > kMaxPixels) return false;
+  double missing = 0;
+  for (const ClassId c : volume_classes(plan)) {
+    if (atlas_->has_means(c) && !cache_.has_values(c))
+      missing += static_cast<double>(atlas_->classes().voxels(c));
+  }
+  return missing * kMsPerVoxel / pool.threads() > kMaxWaitMs;
+}
+
 void DecodedSelection::took(const RenderStats& stats, const RenderOptions& options) {
   if (!may_be_rough(options) || stats.triangles == 0) return;
   pace_.took(stats.rasterize.wall_ms, options.draft_budget_ms / (stats.voxels_visited > 0 ? 2 : 1));
 }
 
-Result<std::optional<DrawPlan>> DecodedSelection::require(const DrawPlan& plan, Axis axis, bool normals,
+Result<std::optional<DrawPlan>> DecodedSelection::require(const DrawPlan& plan, Axis axis, VoxelParts parts,
                                                           int surface_level, ThreadPool& pool) {
-  const std::vector<ClassId> of_volume = volume_classes(plan);
-  const Result<void> classes = cache_.require(of_volume, axis, pool, normals);
+  const Result<void> classes =
+      parts == VoxelParts::kNone ? Result<void>{} : cache_.require(volume_classes(plan), axis, pool, parts);
   if (!classes && cache_.failed_classes().empty()) return tl::unexpected(classes.error());
   const Result<void> surfaces = cache_.require_surfaces(plan.surfaces, pool, surface_level);
   if (classes && surfaces) return std::nullopt;
@@ -81,7 +94,7 @@ Result<void> DecodedSelection::require_faces(std::span<const FaceClass> faces, A
   for (ClassId c = 0; c < faces.size(); ++c) {
     if (faces[c].has_face()) classes.push_back(c);
   }
-  Result<void> required = cache_.require(classes, axis, pool, false);
+  Result<void> required = cache_.require(classes, axis, pool, VoxelParts::kValues);
   if (required) return {};
   if (cache_.failed_classes().empty()) return required;
   for (const FailedClass& of : cache_.failed_classes()) {

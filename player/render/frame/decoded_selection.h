@@ -26,10 +26,14 @@ class DecodedSelection {
   /// Records the times of the frame of the latest surface_level().
   void took(const RenderStats& stats, const RenderOptions& options);
 
-  /// Reads and decodes the uncached classes along `axis` and surfaces of a plan; `normals`: also the normals
-  /// of boundary voxels. Lists damaged parts in missing(), and returns the plan without them; none if all
-  /// parts are intact. kLimit when out of memory.
-  [[nodiscard]] Result<std::optional<DrawPlan>> require(const DrawPlan& plan, Axis axis, bool normals,
+  /// True if the values of the plan take long to decode, while their means are stored: blocks of voxels
+  /// should stand in for them in a draft within a budget. `voxel_pixels`: Shear::voxel_pixels().
+  [[nodiscard]] bool waits_for_values(const DrawPlan& plan, double voxel_pixels, const RenderOptions& options,
+                                      const ThreadPool& pool) const;
+  /// Reads and decodes the uncached parts of classes along `axis`, and surfaces, of a plan. Lists damaged
+  /// parts in missing(), and returns the plan without them; none if all parts are intact. kLimit when out of
+  /// memory.
+  [[nodiscard]] Result<std::optional<DrawPlan>> require(const DrawPlan& plan, Axis axis, VoxelParts parts,
                                                         int surface_level, ThreadPool& pool);
   /// Reads and decodes uncached classes of faces of a cut, after the plan's. Lists damaged ones in missing(),
   /// with the structures of `faces` (by ClassId), and succeeds. kLimit when out of memory.

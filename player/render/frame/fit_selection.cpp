@@ -150,7 +150,7 @@ DrawPlan part_of(const DrawPlan& plan, std::span<const StructureIndex> structure
 }
 
 FitExtents extents_of(const DrawPlan& plan, const Atlas& atlas, const ClassCache& cache, Axis axis,
-                      const CutPlanes& cuts, const FitPlanes& planes, ThreadPool& pool) {
+                      int surface_level, const CutPlanes& cuts, const FitPlanes& planes, ThreadPool& pool) {
   const std::vector<VoxelPlane> cut_planes = voxel_planes(cuts, atlas.grid());
   FitExtents extents;
   if (!volume_classes(plan).empty()) {
@@ -158,7 +158,7 @@ FitExtents extents_of(const DrawPlan& plan, const Atlas& atlas, const ClassCache
     extents = extents_of_volume(runs, cut_planes, planes, pool);
   }
   for (const StructureIndex s : plan.surfaces) {
-    extents.include(extents_of_surface(cache.surface(s), cut_planes, planes, pool));
+    extents.include(extents_of_surface(cache.surface(s, surface_level), cut_planes, planes, pool));
   }
   return extents;
 }

@@ -18,10 +18,10 @@ namespace splatlas {
 
 /// Extents of the parts of a plan's voxels and surfaces that `cuts` keep. A voxel extends to the centres of
 /// its neighbours, up to which interpolation spreads it. Empty for a plan that draws nothing. `cache` must
-/// hold the plan's volume classes along `axis`, and its surfaces. Cost: linear in the runs within the
-/// bounding box of the plan, and in the vertices of its surfaces.
+/// hold the plan's volume classes along `axis`, and its surfaces of the level. Cost: linear in the runs
+/// within the bounding box of the plan, and in the vertices of its surfaces.
 [[nodiscard]] FitExtents extents_of(const DrawPlan& plan, const Atlas& atlas, const ClassCache& cache,
-                                    Axis axis, const CutPlanes& cuts, const FitPlanes& planes,
-                                    ThreadPool& pool);
+                                    Axis axis, int surface_level, const CutPlanes& cuts,
+                                    const FitPlanes& planes, ThreadPool& pool);
 
 }  // namespace splatlas

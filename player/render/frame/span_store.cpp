@@ -121,6 +121,7 @@ SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& vie
   const auto& [plan, appearances, atlas, cache, shade] = source;
   const Axis axis = shear.principal;
   Stopwatch watch;
+  blocks_.reset();
   SelectedRuns runs(plan, atlas.classes(), cache, axis);
   stats.runs_visited = runs.count();
 
@@ -194,6 +195,27 @@ SheetSpans SpanStore::in_strips(const SpanSource& source, SelectedRuns runs, con
           }};
 }
 
+bool SpanStore::require_blocks(const std::shared_ptr<const Atlas>& atlas, const DrawPlan& plan,
+                               const Selection& selection, ThreadPool& pool) {
+  if (blocks_) return true;
+  Result<std::unique_ptr<BlockVolume>> volume = BlockVolume::read(atlas, plan, pool);
+  if (!volume) return false;
+  blocks_.emplace(*std::move(volume), selection, *atlas);
+  return true;
+}
+
+SheetVolume SpanStore::prepare_blocks(const ParallelView& view, Axis axis, bool shade,
+                                      const Lighting& lighting, RenderStats& stats, ThreadPool& pool) {
+  Stopwatch watch;
+  blocks_->prepare(axis, shade, view, lighting, pool);
+  stats.traversal = watch.lap();
+  stats.select_ms += stats.traversal.wall_ms;
+  stats.level = kMeanLevel;
+  stats.strips = false;
+  const Grid& grid = blocks_->grid();
+  return {SheetSpans(blocks_->model()), nullptr, factorise(view, grid, &axis), grid, {kMeanLevel, 1}};
+}
+
 /// Surfaces take as long with any detail of the volume.
 void SpanStore::took(const RenderStats& stats, const RenderOptions& options) {
   if (!may_be_rough(options) || stats.voxels_visited == 0) return;
@@ -203,6 +225,7 @@ void SpanStore::took(const RenderStats& stats, const RenderOptions& options) {
 
 void SpanStore::outdate() {
   means_.reset();
+  blocks_.reset();
   strip_.reset();
   strip_runs_.reset();
   for (const Axis axis : kAxes) {

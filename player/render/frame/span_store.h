@@ -3,11 +3,13 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "format/content/cut_planes.h"
 #include "player/camera.h"
 #include "player/render/frame/draft_pace.h"
+#include "player/render/sheets/spans/block_spans.h"
 #include "player/render/sheets/spans/build_spans.h"
 #include "player/render/sheets/spans/coarse_spans.h"
 #include "player/render/transfer/shading.h"
@@ -75,6 +77,13 @@ class SpanStore {
   [[nodiscard]] SheetVolume prepare(const SpanSource& source, const ParallelView& view, const Shear& shear,
                                     const Lighting& lighting, const RenderOptions& options,
                                     std::uint64_t max_bytes, RenderStats& stats, ThreadPool& pool);
+  /// Reads blocks of voxels that stand in for the volume of the current selection. False on any error, which
+  /// reading the voxels will tell.
+  [[nodiscard]] bool require_blocks(const std::shared_ptr<const Atlas>& atlas, const DrawPlan& plan,
+                                    const Selection& selection, ThreadPool& pool);
+  /// The same as prepare() for these blocks.
+  [[nodiscard]] SheetVolume prepare_blocks(const ParallelView& view, Axis axis, bool shade,
+                                           const Lighting& lighting, RenderStats& stats, ThreadPool& pool);
   /// Records the times of the frame of the latest prepare().
   void took(const RenderStats& stats, const RenderOptions& options);
   /// Marks the spans of the latest axis as outdated, and frees the others. For a new plan.
@@ -91,7 +100,9 @@ class SpanStore {
 
   std::array<std::optional<AxisSpans>, 3> spans_;
   Axis latest_ = Axis::kZ;
-  std::optional<CoarseSpans> means_;  // of the current selection
+  // Of the current selection
+  std::optional<CoarseSpans> means_;
+  std::optional<BlockSpans> blocks_;
   // Of the latest frame, if it was drawn in strips
   std::optional<SelectedRuns> strip_runs_;
   SpanModel strip_frame_;

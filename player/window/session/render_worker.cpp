@@ -156,7 +156,10 @@ std::string RenderWorker::missing_text(const std::vector<MissingPart>& missing) 
 bool RenderWorker::fit_camera(FrameRequest& request) {
   const auto fit = [&]() -> Result<Camera> {
     if (auto selected = select(request); !selected) return tl::unexpected(std::move(selected).error());
-    const RenderOptions options{.size = request.size, .cuts = request.cuts};
+    const RenderOptions options{.size = request.size,
+                                .quality = Quality::kDraft,
+                                .draft_budget_ms = kDraftBudgetMs,
+                                .cuts = request.cuts};
     if (!request.fit->structure) return renderer_.fit(request.camera, options);
     const auto part = renderer_.atlas().graph().descendants(*request.fit->structure);
     return renderer_.fit(request.camera, options, part);

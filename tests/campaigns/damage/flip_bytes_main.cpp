@@ -141,8 +141,9 @@ std::optional<StructureIndex> FlippedFiles::structure_at(const SectionLayout& se
   const std::size_t stream = streams[below(streams.size(), random)];
   const auto kind = static_cast<SectionKind>(section.kind);
   if (kind == SectionKind::kSurfaces) return directory_.graph.preorder()[stream];
-  const ClassId c = kind == SectionKind::kValues ? ValueGroups(directory_.classes).classes[stream].back()
-                                                 : static_cast<ClassId>(stream);
+  const bool by_group = kind == SectionKind::kValues || kind == SectionKind::kMeans;
+  const ClassId c =
+      by_group ? ValueGroups(directory_.classes).classes[stream].back() : static_cast<ClassId>(stream);
   const auto members = directory_.classes.members(c);
   if (members.empty()) return std::nullopt;
   return members[below(members.size(), random)].structure;

@@ -16,6 +16,7 @@ void read_what_is_left(const Atlas& atlas) {
     for (const Axis axis : kAxes) (void)atlas.read_runs(c, axis);
     (void)atlas.read_values(c);
     (void)atlas.read_normals(c);
+    (void)atlas.read_means(c);
   }
   for (StructureIndex s = 0; s < atlas.graph().size(); ++s) (void)atlas.read_surface(s);
 }

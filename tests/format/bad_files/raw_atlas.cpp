@@ -68,6 +68,7 @@ RawDirectory read_directory(const Bytes& bytes) {
           .term_text = numbers_or_none(d.term_text()),
           .scene_text_ends = numbers_or_none(d.scene_text_ends()),
           .scene_text = numbers_or_none(d.scene_text()),
+          .mean_blocks = numbers_or_none(d.mean_blocks()),
           .left_out = {}};
 }
 
@@ -90,6 +91,7 @@ Bytes encode(const RawDirectory& d) {
   const auto term_text = b.CreateVector(d.term_text);
   const auto scene_text_ends = b.CreateVector(d.scene_text_ends);
   const auto scene_text = b.CreateVector(d.scene_text);
+  const auto mean_blocks = b.CreateVector(d.mean_blocks);
   schema::DirectoryBuilder table(b);
   const auto add = [&](const char* field, const auto& add_field) {
     if (!d.left_out.contains(field)) add_field();
@@ -119,6 +121,7 @@ Bytes encode(const RawDirectory& d) {
   if (!d.term_text.empty()) table.add_term_text(term_text);
   if (!d.scene_text_ends.empty()) table.add_scene_text_ends(scene_text_ends);
   if (!d.scene_text.empty()) table.add_scene_text(scene_text);
+  if (!d.mean_blocks.empty()) table.add_mean_blocks(mean_blocks);
   // Not Finish(), which asserts that all fields are present.
   b.Finish(flatbuffers::Offset<schema::Directory>(b.EndTable(table.start_)), schema::DirectoryIdentifier());
   const auto* begin = reinterpret_cast<const std::byte*>(b.GetBufferPointer());

@@ -45,7 +45,9 @@ TEST(AtlasWriter, GivesTheSameBytesWithAnyNumberOfThreads) {
 RC_GTEST_PROP(AtlasWriter, RewritesWhatWasReadToTheSameBytes, ()) {
   auto random = *random_source();
   const AtlasContent content = random_content(random);
-  const WriteOptions options{.level = 3, .compact = *rc::gen::arbitrary<bool>()};
+  const WriteOptions options{.level = 3,
+                             .compact = *rc::gen::arbitrary<bool>(),
+                             .means_from = *rc::gen::inRange<std::uint64_t>(0, 200)};
   const auto bytes = encode_atlas(content, options).value();
   const AtlasContent read = (*Atlas::open_bytes(bytes))->read_all().value();
   RC_ASSERT(encode_atlas(read, options).value() == bytes);

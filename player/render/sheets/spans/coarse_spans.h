@@ -13,9 +13,6 @@
 
 namespace splatlas {
 
-/// The grid of blocks of 2^level voxels along each axis. Blocks at the end may reach beyond `grid`.
-[[nodiscard]] Grid coarse_grid(const Grid& grid, int level);
-
 /// Spans of a downsampled selection: for each block the average of the optical properties of its voxels, and
 /// of their normals, weighted by emission. They need no spans of the voxels. Not thread-safe.
 class CoarseSpans {

@@ -28,7 +28,7 @@ AtlasContent small_content() {
 }
 
 const Bytes& small_file() {
-  static const Bytes file = encode_atlas(small_content()).value();
+  static const Bytes file = encode_atlas(small_content(), {.means_from = 1}).value();
   return file;
 }
 

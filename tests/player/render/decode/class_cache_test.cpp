@@ -111,7 +111,7 @@ TEST(ClassCache, ReadsNormalsOnlyWhereTheyAreWanted) {
   const auto atlas = scene.open(), other = scene.open();
   ThreadPool pool(2);
   ClassCache cache(atlas);
-  ASSERT_TRUE(cache.require(all, Axis::kY, pool, false));
+  ASSERT_TRUE(cache.require(all, Axis::kY, pool, VoxelParts::kValues));
   EXPECT_EQ(cache.normals(), nullptr);
   for (const ClassId c : all) {
     (void)other->read_runs(c, Axis::kY);
@@ -121,7 +121,7 @@ TEST(ClassCache, ReadsNormalsOnlyWhereTheyAreWanted) {
   EXPECT_EQ(atlas->counters().decoded, other->counters().decoded);
 
   for (const Axis axis : {Axis::kX, Axis::kY}) {  // along x none are cached yet
-    ASSERT_TRUE(cache.require(all, axis, pool, true));
+    ASSERT_TRUE(cache.require(all, axis, pool));
     expect_equal(scene.content, cache, all, axis);
   }
 }
