@@ -166,7 +166,7 @@ struct Renderer::Impl {
     Stopwatch watch;
     stats.surface_level = decoded.surface_level(drawn.plan(), shear.voxel_pixels(), options, pool);
     const bool by_blocks = decoded.waits_for_values(drawn.plan(), shear.voxel_pixels(), options, pool) &&
-                           spans.require_blocks(atlas, drawn.plan(), drawn.selection(), pool);
+                           spans.require_blocks(span_source(options), pool);
     SPLATLAS_RETURN_IF_ERROR(decode(shear.principal, options,
                                     by_blocks ? VoxelParts::kNone : parts_of(options), stats.surface_level));
     stats.decode_ms = std::exchange(fit_decode_ms, 0) + watch.lap().wall_ms;
@@ -175,12 +175,10 @@ struct Renderer::Impl {
     task.begin_stage(kPrepared, 2);
     const Lighting lighting(view.plane);
     const double select_ms = stats.select_ms;
-    const SheetVolume volume =
-        by_blocks
-            ? spans.prepare_blocks(view.plane, shear.principal, options.hybrid_shading, lighting, stats, pool)
-            : spans.prepare(
-                  {drawn.plan(), drawn.appearances(), *atlas, decoded.cache(), options.hybrid_shading},
-                  view.plane, shear, lighting, options, memory_for_spans(options), stats, pool);
+    const SheetVolume volume = by_blocks ? spans.prepare_blocks(view.plane, shear.principal,
+                                                                options.hybrid_shading, lighting, stats, pool)
+                                         : spans.prepare(span_source(options), view.plane, shear, lighting,
+                                                         options, memory_for_spans(options), stats, pool);
 
     // Rasterise surfaces, render sheets, resolve both into the picture
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache(), stats.surface_level);
@@ -244,6 +242,10 @@ struct Renderer::Impl {
     return faces.require(options, axis, *atlas, drawn, decoded, pool);
   }
 
+  [[nodiscard]] SpanSource span_source(const RenderOptions& options) const {
+    return {drawn.plan(), drawn.appearances(), drawn.selection(),
+            atlas,        decoded.cache(),     options.hybrid_shading};
+  }
   [[nodiscard]] FrameScene scene_of(const FrameCall& call, std::span<const SurfaceDraw> surfaces,
                                     const Lighting& lighting) const {
     return {.surfaces = surfaces,

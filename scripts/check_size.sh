@@ -18,7 +18,7 @@ check() {
   fi
 }
 
-check product 61620 format preprocess player schemas
-check tests 49360 tests
-check bench 8500 bench
+check product 61690 format preprocess player schemas
+check tests 49480 tests
+check bench 8510 bench
 exit "$bad"

@@ -18,7 +18,10 @@ AtlasContent seed_content(Random& random) {
 
 std::vector<std::byte> seed_atlas(Random& random) {
   const AtlasContent content = seed_content(random);
-  return encode_atlas(content, {.level = 1, .compact = below(3, random) == 0, .threads = 1}).value();
+  return encode_atlas(
+             content,
+             {.level = 1, .compact = below(3, random) == 0, .threads = 1, .means_from = below(40, random)})
+      .value();
 }
 
 std::vector<std::byte> work_seed(Random& random) {

@@ -132,7 +132,10 @@ int main(int argc, char** argv) {
   SeedWriter writer(argv[1]);
   for (std::size_t n = 0; n < kAtlases; ++n) {
     const AtlasContent content = seed_content(random);
-    writer.write_of(content, encode_atlas(content, {.compact = n % 3 == 0, .threads = 1}).value());
+    writer.write_of(
+        content,
+        encode_atlas(content, {.compact = n % 3 == 0, .threads = 1, .means_from = n % 2 == 0 ? 9u : 1000u})
+            .value());
   }
   for (std::size_t n = 0; n < kWorkSeeds; ++n) writer.write_file(work_seed(random));
   fmt::print("{} seeds\n", writer.count());

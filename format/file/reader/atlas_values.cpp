@@ -114,6 +114,10 @@ Result<BlockMeans> Atlas::Impl::read_group_means(std::size_t group) const {
   const IndexBox box = group_box(groups, directory.classes, group, grid.size);
   if (!may_have_means(box))
     return named(ErrorCode::kLimit, "class {} is too wide for means", groups.classes[group].front());
+  constexpr double kBytesPerColumn = 10;  // of blocks_of() and block_means()
+  const IndexBox in_blocks = box_of_blocks(box);
+  check_memory(kBytesPerColumn * static_cast<double>(in_blocks.last[0] - in_blocks.first[0] + 1) *
+               static_cast<double>(in_blocks.last[1] - in_blocks.first[1] + 1));
   GroupBlocks blocks = blocks_of(spans, box, grid.size);
   BlockMeans means;
   for (const ClassSpan& span : blocks.spans) means.runs.push_back(span.run);
@@ -131,7 +135,7 @@ Result<BlockMeans> Atlas::Impl::read_group_means(std::size_t group) const {
     return named(ErrorCode::kInvalidAtlas, "invalid: means of class {}: {} blocks, its voxels give {}",
                  groups.classes[group].front(), stored, means.voxels.size());
   }
-  const GroupVoxels of_blocks{blocks.spans, stored, box_of_blocks(box), blocks_of_grid(grid.size)[1]};
+  const GroupVoxels of_blocks{blocks.spans, stored, in_blocks, blocks_of_grid(grid.size)[1]};
   SPLATLAS_ASSIGN_OR_RETURN(means.values, decode_values_of(group, SectionKind::kMeans, of_blocks));
   return means;
 }

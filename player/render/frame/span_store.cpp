@@ -75,6 +75,17 @@ void shade_kept_spans(SpanModel& model, std::span<const float> factors, std::spa
 
 /// Time to build spans, per voxel and thread.
 constexpr double kBuildMsPerVoxel = 40e-6;
+/// The same for means without spans, and the longest that a draft may wait for them.
+constexpr double kMeansMsPerVoxel = 150e-6, kMaxMeansMs = 500;
+
+/// Voxels of a volume with means in the file.
+double stored_means(const SpanSource& source) {
+  double voxels = 0;
+  for (const ClassId c : volume_classes(source.plan)) {
+    if (source.atlas->has_means(c)) voxels += static_cast<double>(source.atlas->classes().voxels(c));
+  }
+  return voxels;
+}
 
 }  // namespace
 
@@ -84,12 +95,12 @@ bool may_be_rough(const RenderOptions& options) {
 }
 
 void AxisSpans::require(const SpanSource& source, SelectedRuns runs, ThreadPool& pool) {
-  const auto& [plan, appearances, atlas, cache, shade] = source;
+  const auto& [plan, appearances, selection, atlas, cache, shade] = source;
   if (current(shade)) return;
   // If an allocation throws, no incomplete spans remain marked as current.
   runs_.reset();
   SpanBuilder spans = std::exchange(spans_, {});
-  spans.build({runs, plan, appearances, atlas.classes(), atlas.grid(), cache, shade}, pool);
+  spans.build({runs, plan, appearances, atlas->classes(), atlas->grid(), cache, shade}, pool);
   spans_ = std::move(spans);
   runs_.emplace(std::move(runs));
   lists_shaded_ = shade;
@@ -118,30 +129,22 @@ void AxisSpans::update_lighting(const ParallelView& view, const Lighting& lighti
 SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& view, const Shear& shear,
                                const Lighting& lighting, const RenderOptions& options,
                                std::uint64_t max_bytes, RenderStats& stats, ThreadPool& pool) {
-  const auto& [plan, appearances, atlas, cache, shade] = source;
+  const auto& [plan, appearances, selection, atlas, cache, shade] = source;
   const Axis axis = shear.principal;
   Stopwatch watch;
-  blocks_.reset();
-  SelectedRuns runs(plan, atlas.classes(), cache, axis);
+  SelectedRuns runs(plan, atlas->classes(), cache, axis);
   stats.runs_visited = runs.count();
 
-  // Find the memory of the spans of all voxels, and free what leaves too little of it
   const std::uint64_t voxels = plan.volume_voxels + plan.hybrid_voxels;
   const std::uint64_t bytes = span_model_bytes(voxels, std::min(runs.count(), voxels));
+  make_room(axis, bytes, max_bytes);
   std::optional<AxisSpans>& spans = spans_[static_cast<std::size_t>(axis)];
-  const auto axes = static_cast<std::uint64_t>(
-      std::ranges::count_if(spans_, [](const auto& each) { return each.has_value(); }));
-  if ((spans ? axes : axes + 1) * bytes > max_bytes) {
-    for (const Axis other : kAxes) {
-      if (other != axis || bytes > max_bytes) spans_[static_cast<std::size_t>(other)].reset();
-    }
-  }
 
   // Choose the detail
+  const bool is_fine = spans && spans->current(shade);
   const bool is_ready =
-      bytes <= max_bytes &&
-      ((spans && spans->current(shade)) ||
-       static_cast<double>(voxels) * kBuildMsPerVoxel / pool.threads() <= 2 * options.draft_budget_ms);
+      bytes <= max_bytes && (is_fine || static_cast<double>(voxels) * kBuildMsPerVoxel / pool.threads() <=
+                                            2 * options.draft_budget_ms);
   const VolumeDetail detail =
       may_be_rough(options) ? pace_.next(shear.voxel_pixels(), is_ready) : VolumeDetail{};
   stats.level = detail.level;
@@ -150,38 +153,45 @@ SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& vie
     stats.traversal = watch.lap();
     stats.select_ms += stats.traversal.wall_ms;
   };
+  const bool has_means = means_ && means_->fit(axis, detail.level, shade);
+  if (detail.level > 0 && !has_means && !is_fine &&
+      stored_means(source) * kMeansMsPerVoxel / pool.threads() > kMaxMeansMs &&
+      require_blocks(source, pool)) {
+    return prepare_blocks(view, axis, shade, lighting, stats, pool);
+  }
+  blocks_.reset();
   if (detail.level > 0) {
-    if (!means_ || !means_->fit(axis, detail.level, shade)) {
+    if (!has_means) {
       means_.reset();
-      means_.emplace(SpanRequest{runs, plan, appearances, atlas.classes(), atlas.grid(), cache, shade},
-                     detail.level, pool);
+      means_.emplace(SpanRequest{runs, plan, appearances, atlas->classes(), atlas->grid(), cache, shade},
+                     is_fine ? &spans->model() : nullptr, detail.level, pool);
     }
     built();
     means_->light(view, lighting, pool);
     stats.traversal += watch.lap();
-    const Grid of_means = coarse_grid(atlas.grid(), detail.level);
+    const Grid of_means = coarse_grid(atlas->grid(), detail.level);
     return {SheetSpans(means_->model()), nullptr, factorise(view, of_means, &axis), of_means, detail};
   }
   latest_ = axis;
   if (stats.strips) {
     const std::uint64_t strips = bytes / std::max<std::uint64_t>(max_bytes, 1) + 1;
-    return {in_strips(source, std::move(runs), lighting, strips, pool), &*strip_runs_, shear, atlas.grid(),
+    return {in_strips(source, std::move(runs), lighting, strips, pool), &*strip_runs_, shear, atlas->grid(),
             detail};
   }
   strip_.reset();
   if (!spans) spans.emplace();
   spans->require(source, std::move(runs), pool);
   built();
-  spans->update_lighting(view, lighting, shade, options.cuts, atlas.grid(), pool);
+  spans->update_lighting(view, lighting, shade, options.cuts, atlas->grid(), pool);
   stats.traversal += watch.lap();
-  return {SheetSpans(spans->model()), &spans->runs(), shear, atlas.grid(), detail};
+  return {SheetSpans(spans->model()), &spans->runs(), shear, atlas->grid(), detail};
 }
 
 SheetSpans SpanStore::in_strips(const SpanSource& source, SelectedRuns runs, const Lighting& lighting,
                                 std::uint64_t strips, ThreadPool& pool) {
   const SelectedRuns& of_frame = strip_runs_.emplace(std::move(runs));
   const SpanRequest request{
-      of_frame,     source.plan, source.appearances, source.atlas.classes(), source.atlas.grid(),
+      of_frame,     source.plan, source.appearances, source.atlas->classes(), source.atlas->grid(),
       source.cache, source.shade};
   strip_frame_ = empty_model(request);
   strip_frame_.voxels = source.plan.volume_voxels + source.plan.hybrid_voxels;
@@ -195,12 +205,21 @@ SheetSpans SpanStore::in_strips(const SpanSource& source, SelectedRuns runs, con
           }};
 }
 
-bool SpanStore::require_blocks(const std::shared_ptr<const Atlas>& atlas, const DrawPlan& plan,
-                               const Selection& selection, ThreadPool& pool) {
+void SpanStore::make_room(Axis axis, std::uint64_t bytes, std::uint64_t max_bytes) {
+  auto axes = static_cast<std::uint64_t>(
+      std::ranges::count_if(spans_, [](const auto& each) { return each.has_value(); }));
+  if (!spans_[static_cast<std::size_t>(axis)]) ++axes;
+  if (axes * bytes <= max_bytes) return;
+  for (const Axis other : kAxes) {
+    if (other != axis || bytes > max_bytes) spans_[static_cast<std::size_t>(other)].reset();
+  }
+}
+
+bool SpanStore::require_blocks(const SpanSource& source, ThreadPool& pool) {
   if (blocks_) return true;
-  Result<std::unique_ptr<BlockVolume>> volume = BlockVolume::read(atlas, plan, pool);
+  Result<std::unique_ptr<BlockVolume>> volume = BlockVolume::read(source.atlas, source.plan, pool);
   if (!volume) return false;
-  blocks_.emplace(*std::move(volume), selection, *atlas);
+  blocks_.emplace(*std::move(volume), source.selection, *source.atlas);
   return true;
 }
 

@@ -22,7 +22,8 @@ namespace splatlas {
 struct SpanSource {
   const DrawPlan& plan;
   const VolumeAppearances& appearances;
-  const Atlas& atlas;
+  const Selection& selection;  ///< of the plan
+  const std::shared_ptr<const Atlas>& atlas;
   const ClassCache& cache;
   bool shade = true;  ///< list boundary voxels for hybrid shading
 };
@@ -71,16 +72,16 @@ class AxisSpans {
 class SpanStore {
  public:
   /// Prepares the volume of a frame: chooses its detail, builds spans unless they are current, and lights
-  /// them. Spans that may take more than `max_bytes` are built strip by strip while the frame is drawn; all
-  /// arguments must outlive it. Sets the traversal and counters of the statistics, and adds the time to build
-  /// spans to `select_ms`. Valid until the next call. Throws std::bad_alloc.
+  /// them. Blocks take the place of means that would take seconds. Spans that may take more than `max_bytes`
+  /// are built strip by strip while the frame is drawn; all arguments must outlive it. Sets the traversal and
+  /// counters of the statistics, and adds the time to build spans to `select_ms`. Valid until the next call.
+  /// Throws std::bad_alloc.
   [[nodiscard]] SheetVolume prepare(const SpanSource& source, const ParallelView& view, const Shear& shear,
                                     const Lighting& lighting, const RenderOptions& options,
                                     std::uint64_t max_bytes, RenderStats& stats, ThreadPool& pool);
   /// Reads blocks of voxels that stand in for the volume of the current selection. False on any error, which
   /// reading the voxels will tell.
-  [[nodiscard]] bool require_blocks(const std::shared_ptr<const Atlas>& atlas, const DrawPlan& plan,
-                                    const Selection& selection, ThreadPool& pool);
+  [[nodiscard]] bool require_blocks(const SpanSource& source, ThreadPool& pool);
   /// The same as prepare() for these blocks.
   [[nodiscard]] SheetVolume prepare_blocks(const ParallelView& view, Axis axis, bool shade,
                                            const Lighting& lighting, RenderStats& stats, ThreadPool& pool);
@@ -94,6 +95,8 @@ class SpanStore {
   [[nodiscard]] const SelectedRuns* runs(Axis axis) const;
 
  private:
+  /// Frees spans that leave too little memory for those of an axis, of `bytes` along each.
+  void make_room(Axis axis, std::uint64_t bytes, std::uint64_t max_bytes);
   /// Spans of the voxels for sheets in so many strips.
   [[nodiscard]] SheetSpans in_strips(const SpanSource& source, SelectedRuns runs, const Lighting& lighting,
                                      std::uint64_t strips, ThreadPool& pool);

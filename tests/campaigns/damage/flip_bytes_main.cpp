@@ -240,7 +240,8 @@ int main(int argc, char** argv) try {
   app.add_option("--seed", seed, "seed of the positions")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
 
-  FlippedFiles files(atlas.empty() ? encode_atlas(phantom_content()).value() : bytes_of_file(atlas));
+  FlippedFiles files(atlas.empty() ? encode_atlas(phantom_content(), {.means_from = 1}).value()
+                                   : bytes_of_file(atlas));
   std::mt19937 random(seed);
   std::uniform_int_distribution<std::size_t> place(0, files.bytes() - 1);
   Tally tally;

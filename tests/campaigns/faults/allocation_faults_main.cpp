@@ -119,14 +119,15 @@ Work reading(const fs::path& atlas_path) {
 
 Work writing(const AtlasContent& content, const fs::path& path, bool compact) {
   return [&content, path, compact]() -> Result<std::uint64_t> {
-    SPLATLAS_RETURN_IF_ERROR(write_atlas(content, path, {.level = 3, .compact = compact, .threads = 2}));
+    SPLATLAS_RETURN_IF_ERROR(
+        write_atlas(content, path, {.level = 3, .compact = compact, .threads = 2, .means_from = 1}));
     return fs::file_size(path);
   };
 }
 
 /// Writes the atlas with a wrong byte in every chunk.
 void write_damaged(const AtlasContent& content, const fs::path& path) {
-  AtlasParts parts = take_apart(encode_atlas(content).value());
+  AtlasParts parts = take_apart(encode_atlas(content, {.means_from = 1}).value());
   for (Bytes& chunk : parts.chunks) chunk.back() ^= std::byte{1};
   write_bytes(path.string(), put_together(parts));
 }
@@ -150,6 +151,7 @@ Work reading_damaged(const fs::path& atlas_path) {
       for (const Axis axis : kAxes) count(atlas.read_runs(c, axis));
       count(atlas.read_values(c));
       count(atlas.read_normals(c));
+      count(atlas.read_means(c));
     });
     for (StructureIndex s = 0; s < atlas.graph().size(); ++s) count(atlas.read_surface(s));
     if (is_out_of_memory) return fail(ErrorCode::kLimit, "out of memory");

@@ -38,7 +38,8 @@ enum Field : std::size_t {
   kSections = 15,
   kChunks = 16,
   kNormalsFitted = 17,
-  kFingerprints = 18
+  kFingerprints = 18,
+  kMeanBlocks = 24
 };
 
 ClassRow read_class(const std::vector<std::byte>& bytes, std::size_t at) {
@@ -82,6 +83,11 @@ FlatDirectory read_directory(const std::vector<std::byte>& bytes) {
   table.for_each(kFingerprints, 8, [&](std::size_t at) {
     directory.fingerprints.push_back(number_at<std::uint64_t>(bytes, at));
   });
+  if (table.field(kMeanBlocks) != 0) {
+    table.for_each(kMeanBlocks, 4, [&](std::size_t at) {
+      directory.mean_blocks.push_back(number_at<std::uint32_t>(bytes, at));
+    });
+  }
   table.for_each(kSections, 16, [&](std::size_t at) {
     directory.sections.push_back(
         {number_at<std::uint32_t>(bytes, at), number_at<std::uint32_t>(bytes, at + 4),

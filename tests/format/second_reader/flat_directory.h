@@ -39,6 +39,7 @@ struct FlatDirectory {
   std::uint8_t value_type = 0;
   std::vector<ClassRow> classes;
   std::vector<std::uint64_t> fingerprints;  ///< per class
+  std::vector<std::uint32_t> mean_blocks;   ///< [group]; empty: none
   std::vector<SectionRow> sections;
   std::vector<ChunkRow> chunks;
 };

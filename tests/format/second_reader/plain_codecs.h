@@ -1,9 +1,10 @@
-// Decoders of masks and of predicted grey values, voxel by voxel (docs/atlas_format.md).
+// Decoders of masks, predicted grey values and means, voxel by voxel (docs/atlas_format.md).
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <vector>
 
 namespace splatlas::second {
@@ -25,5 +26,17 @@ inline constexpr std::uint64_t kModelBytes = 16 * 4 + 14 + 1 + 1;
                                                       const std::vector<std::size_t>& voxels,
                                                       const std::array<std::int64_t, 3>& size,
                                                       std::uint8_t type);
+
+/// Blocks of 4 x 4 x 4 voxels with voxels of a group.
+struct Blocks {
+  std::array<std::int64_t, 3> size{};                      ///< of the grid of blocks
+  std::map<std::size_t, std::vector<std::size_t>> voxels;  ///< [block], of the group, in memory order
+  bool predicted = false;
+};
+[[nodiscard]] Blocks blocks_of(const std::vector<std::size_t>& voxels,
+                               const std::array<std::int64_t, 3>& size, std::uint8_t type);
+/// True if a stream has the means of the values in these blocks.
+[[nodiscard]] bool has_means(const Blocks& blocks, const std::vector<std::byte>& stream,
+                             const std::vector<std::byte>& values, std::uint8_t type);
 
 }  // namespace splatlas::second

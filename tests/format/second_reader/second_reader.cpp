@@ -329,6 +329,28 @@ Bytes read_values(const Sections& sections, const FlatDirectory& directory,
   return values;
 }
 
+/// Compares the stored means with those of the values.
+void check_means(const Sections& sections, const FlatDirectory& directory,
+                 const std::vector<std::uint32_t>& class_volume, const Bytes& values) {
+  if (directory.mean_blocks.empty()) return;
+  std::vector<Blocks> blocks;
+  std::vector<std::uint64_t> lengths;
+  for (const std::vector<std::size_t>& group : groups_of(directory)) {
+    const std::uint32_t stored = directory.mean_blocks.at(blocks.size());
+    std::vector<std::size_t> voxels;
+    for (std::size_t v = 0; stored > 0 && v < class_volume.size(); ++v) {
+      if (std::ranges::count(group, class_volume[v]) != 0) voxels.push_back(v);
+    }
+    blocks.push_back(blocks_of(voxels, directory.size, directory.value_type));
+    must(blocks.back().voxels.size() == stored, "number of means");
+    lengths.push_back(stored * value_bytes(directory.value_type) +
+                      (blocks.back().predicted ? kModelBytes : 0));
+  }
+  const std::vector<Bytes> streams = sections.streams(7, lengths);
+  for (std::size_t g = 0; g < blocks.size(); ++g)
+    must(has_means(blocks[g], streams[g], values, directory.value_type), "a mean");
+}
+
 std::vector<std::vector<std::uint16_t>> read_normals(const Sections& sections,
                                                      const FlatDirectory& directory) {
   std::vector<std::uint64_t> lengths;
@@ -367,6 +389,7 @@ Atlas read_atlas(const std::vector<std::byte>& file) {
     atlas.class_volume[axis] = read_class_volume(sections, directory, axis);
   }
   atlas.values = read_values(sections, directory, atlas.class_volume[2]);
+  check_means(sections, directory, atlas.class_volume[2], atlas.values);
   atlas.normals = read_normals(sections, directory);
   return atlas;
 }

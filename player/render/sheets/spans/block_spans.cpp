@@ -23,9 +23,9 @@ void BlockSpans::prepare(Axis axis, bool shade, const ParallelView& view, const 
     SpanBuilder spans;
     spans.build({runs, volume_->plan(), appearances_, volume_->classes(), grid(), volume_->cache(), shade},
                 pool);
+    scale_by_shares(spans.model(), pool);
     spans_ = std::move(spans);
     shaded_ = shade;
-    scale_by_shares(pool);
     lit_for_.reset();
   }
   if (!shade || (lit_for_ && have_same_lighting(*lit_for_, view))) return;
@@ -33,8 +33,7 @@ void BlockSpans::prepare(Axis axis, bool shade, const ParallelView& view, const 
   lit_for_ = view;
 }
 
-void BlockSpans::scale_by_shares(ThreadPool& pool) {
-  SpanModel& spans = spans_->model();
+void BlockSpans::scale_by_shares(SpanModel& spans, ThreadPool& pool) const {
   const ScanOrder scan = ScanOrder::of(spans.axis);
   const Index3& size = grid().size;
   const std::array<std::int64_t, 3> steps{1, size[0], size[0] * size[1]};

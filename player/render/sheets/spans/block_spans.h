@@ -28,7 +28,7 @@ class BlockSpans {
   [[nodiscard]] const Grid& grid() const { return volume_->grid(); }
 
  private:
-  void scale_by_shares(ThreadPool& pool);
+  void scale_by_shares(SpanModel& spans, ThreadPool& pool) const;
 
   std::unique_ptr<BlockVolume> volume_;
   VolumeAppearances appearances_;

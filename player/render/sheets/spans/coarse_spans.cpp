@@ -55,6 +55,22 @@ class SliceAverager {
     }
     return blocks * kBlock * static_cast<std::size_t>(1 + model_.emissions);
   }
+  /// The same from the spans of the voxels.
+  std::size_t gather(std::int64_t slice, const SpanModel& fine) {
+    std::size_t blocks = 0;
+    for (std::int64_t of = slice << level_; of < (slice + 1) << level_; ++of) {
+      const SliceSpans* const voxels = fine.slice(of);
+      if (voxels == nullptr) continue;
+      const ShadedVoxel* shaded = voxels->shaded.data();
+      for (std::int64_t row = voxels->first_row; row < voxels->last_row; ++row) {
+        for (const Span& span : voxels->row(row)) {
+          shaded = add(*voxels, row, span, shaded);
+          blocks += (std::size_t{span.blocks} >> level_) + 3;
+        }
+      }
+    }
+    return blocks * kBlock * static_cast<std::size_t>(1 + model_.emissions);
+  }
   /// Writes the slice, and clears its sums.
   void write(SliceSpans& out) {
     SpanWriter writer(model_.emissions, out);
@@ -93,17 +109,47 @@ class SliceAverager {
         sums.white += whites[n];
         for (std::size_t c = 0; c < 3; ++c) sums.emission[c] += whites[n] * look.color[c];
         const float lit = whites[n] * share_of(light, done + n);
-        if (lit == 0) continue;
-        sums.lit += lit;
-        const PackedNormal normal = light.normals[(done + n) * light.stride];
-        sums.normal[0] += lit * unpacked_.x[normal];
-        sums.normal[1] += lit * unpacked_.y[normal];
-        sums.normal[2] += lit * unpacked_.z[normal];
+        if (lit != 0) add_light(lit, light.normals[(done + n) * light.stride], sums);
       }
       voxel += count * step;
     }
     rows_[row].first = std::min(rows_[row].first, index(run.start));
     rows_[row].last = std::max(rows_[row].last, index(run.start + run.length - 1) + 1);
+  }
+  /// Adds the voxels of a span. `shaded`: the first shaded voxel of the slice that is not before them;
+  /// returns that behind them.
+  const ShadedVoxel* add(const SliceSpans& slice, std::int64_t row_of_grid, const Span& span,
+                         const ShadedVoxel* shaded) {
+    const ShadedVoxel* const end = slice.shaded.data() + slice.shaded.size();
+    const auto row = static_cast<std::size_t>((row_of_grid >> level_) - model_.row_first);
+    const std::uint32_t first = span.first_block << kBlockBits;
+    for (std::uint32_t voxel = first; voxel < first + (span.blocks << kBlockBits); ++voxel) {
+      const std::size_t place = slice.place(span, voxel);
+      const float* const optics = slice.optics.data() + place;
+      const bool is_shaded = shaded != end && shaded->place == place;
+      if (optics[0] > 0) {
+        const std::size_t at = index(voxel);
+        Sums& sums = sums_[row * width_ + at];
+        rows_[row] = {std::min(rows_[row].first, at), std::max(rows_[row].last, at + 1)};
+        std::array<float, 3> emission{};
+        for (std::size_t c = 0; c < static_cast<std::size_t>(slice.emissions); ++c)
+          emission[c] = is_shaded ? shaded->emission[c] : optics[(c + 1) * kBlock];
+        const float weight = emission[0] + emission[1] + emission[2];
+        sums.extinction += optics[0];
+        sums.white += weight;
+        for (std::size_t c = 0; c < 3; ++c) sums.emission[c] += emission[c];
+        if (is_shaded)
+          add_light(weight * static_cast<float>(shaded->lit) / ShadedVoxel::kAllLit, shaded->normal, sums);
+      }
+      if (is_shaded) ++shaded;
+    }
+    return shaded;
+  }
+  void add_light(float lit, PackedNormal normal, Sums& sums) const {
+    sums.lit += lit;
+    sums.normal[0] += lit * unpacked_.x[normal];
+    sums.normal[1] += lit * unpacked_.y[normal];
+    sums.normal[2] += lit * unpacked_.z[normal];
   }
   /// The lit share of the n-th voxel.
   static float share_of(const VoxelLight& light, std::uint32_t n) {
@@ -163,7 +209,7 @@ class SliceAverager {
 
 }  // namespace
 
-CoarseSpans::CoarseSpans(const SpanRequest& request, int level, ThreadPool& pool)
+CoarseSpans::CoarseSpans(const SpanRequest& request, const SpanModel* fine, int level, ThreadPool& pool)
     : level_(level), shaded_(request.shade) {
   // Frame the blocks
   const SelectedRuns& runs = request.runs;
@@ -193,7 +239,8 @@ CoarseSpans::CoarseSpans(const SpanRequest& request, int level, ThreadPool& pool
     for (std::size_t n = job * kSlicesAtOnce; n < end; ++n) {
       SliceSpans& slice = model_.slices[n];
       check_task();
-      slice.optics = arena_.lend(averager.gather(slice.number));
+      slice.optics =
+          arena_.lend(fine != nullptr ? averager.gather(slice.number, *fine) : averager.gather(slice.number));
       averager.write(slice);
       arena_.settle(slice.optics);
     }

@@ -14,12 +14,14 @@
 namespace splatlas {
 
 /// Spans of a downsampled selection: for each block the average of the optical properties of its voxels, and
-/// of their normals, weighted by emission. They need no spans of the voxels. Not thread-safe.
+/// of their normals, weighted by emission. Not thread-safe.
 class CoarseSpans {
  public:
-  /// Builds the spans, unshaded, in parallel. They take no more memory than those of the voxels. Cost: linear
-  /// in the selected voxels and in the blocks of their box. Throws std::bad_alloc.
-  CoarseSpans(const SpanRequest& request, int level, ThreadPool& pool);
+  /// Builds the spans, unshaded, in parallel. They take no more memory than those of the voxels. `fine`: the
+  /// spans of the voxels, with the same request; null if there are none. Cost: linear in the selected voxels,
+  /// about 10 ns each with their spans and 150 ns without, and in the blocks of their box. Throws
+  /// std::bad_alloc.
+  CoarseSpans(const SpanRequest& request, const SpanModel* fine, int level, ThreadPool& pool);
 
   /// Hybrid shading: applies the lighting of `view` to boundary voxels if it has changed.
   void light(const ParallelView& view, const Lighting& lighting, ThreadPool& pool);

@@ -7,7 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include "format/atlas_writer.h"
 #include "format/derive/value_groups.h"
+#include "tests/format/atlas_surgery.h"
 #include "tests/player/prepared_selection.h"
 #include "tests/player/render/sheets/spans/unpacked_spans.h"
 #include "tests/support/random_scene.h"
@@ -162,11 +164,12 @@ std::array<double, 3> opacity_of(const Picture& picture) {
 TEST(BlockSpans, StandInForVoxelsThatTakeLongToDecode) {
   const Index3 size{180, 180, 178};
   const AtlasContent content = make_content(volume_of(size, box_mask(size, {3, 2, 2}, {176, 175, 174}), 200));
-  Renderer renderer(open_in_memory(content), {.threads = 1});
-  ASSERT_TRUE(renderer.select(selection_of("it:volume(opacity=0.02)", content.graph)));
+  const Bytes file = encode_atlas(content, {.level = 1}).value();
+  const Selection selection = selection_of("it:volume(opacity=0.02)", content.graph);
   const Camera camera{.azimuth_deg = 40, .elevation_deg = 20};
-  RenderOptions options{.size = {200, 200}, .quality = Quality::kDraft};
-  options.draft_budget_ms = 33;
+  RenderOptions options{.size = {200, 200}, .quality = Quality::kDraft, .draft_budget_ms = 33};
+  Renderer renderer(Atlas::open_bytes(file).value(), {.threads = 1});
+  ASSERT_TRUE(renderer.select(selection));
   const Frame first = frame_or_throw(renderer, camera, options);
   EXPECT_EQ(first.stats.level, 2);
   EXPECT_LT(renderer.atlas().counters().decoded, 500'000u);
@@ -183,6 +186,15 @@ TEST(BlockSpans, StandInForVoxelsThatTakeLongToDecode) {
   EXPECT_NEAR(y, exact_y, 0.1);
   options.draft_budget_ms = 33;  // the voxels are decoded now
   EXPECT_LT(frame_or_throw(renderer, camera, options).stats.level, 2);
+
+  // Where the means are damaged, the voxels are drawn
+  AtlasParts parts = take_apart(file);
+  parts.chunks.back().back() ^= std::byte{1};
+  Renderer of_damaged(Atlas::open_bytes(put_together(parts)).value(), {.threads = 1});
+  ASSERT_TRUE(of_damaged.select(selection));
+  const Frame voxels = frame_or_throw(of_damaged, camera, options);
+  EXPECT_GT(of_damaged.atlas().counters().decoded, 5'000'000u);
+  EXPECT_TRUE(voxels.missing.empty());
 }
 
 }  // namespace

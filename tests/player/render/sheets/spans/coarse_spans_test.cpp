@@ -27,10 +27,12 @@ std::vector<reference::VoxelOptics> means_of(const reference::OpticalField& fiel
   return means;
 }
 
-CoarseSpans coarse_spans(PreparedSelection& prepared, Axis axis, int level) {
+/// From the voxels, or from their spans.
+CoarseSpans coarse_spans(PreparedSelection& prepared, Axis axis, int level, const SpanModel* fine = nullptr) {
   const SelectedRuns runs = prepared.runs(axis);
   return {{runs, prepared.plan, prepared.appearances, prepared.atlas->classes(), prepared.atlas->grid(),
            prepared.cache},
+          fine,
           level,
           prepared.pool};
 }
@@ -59,7 +61,11 @@ TEST(CoarseSpans, AreTheMeansOfTheirVoxels) {
       for (const int level : {1, 2, 3}) {
         const CoarseSpans spans = coarse_spans(prepared, axis, level);
         compared += spans.model().voxels;
-        expect_near(unpacked(spans.model(), coarse_grid(grid, level)), means_of(field, grid, level), 1e-5);
+        const std::vector<reference::VoxelOptics> expected = means_of(field, grid, level);
+        expect_near(unpacked(spans.model(), coarse_grid(grid, level)), expected, 1e-5);
+        const SpanModel fine = prepared.spans(axis);
+        const CoarseSpans of_spans = coarse_spans(prepared, axis, level, &fine);
+        expect_near(unpacked(of_spans.model(), coarse_grid(grid, level)), expected, 1e-5);
       }
     }
   }
@@ -78,8 +84,11 @@ TEST(CoarseSpans, LightTheSharesOfBoundaryVoxels) {
       *parallel_view({.azimuth_deg = 35, .elevation_deg = 50}, {64, 64}, content.display);
   const reference::OpticalField field = reference::optical_field(content, prepared.selection, view, true);
   const std::vector<reference::VoxelOptics> expected = means_of(field, volume.grid, 1);
-  for (const Axis axis : kAxes) {
-    CoarseSpans spans = coarse_spans(prepared, axis, 1);
+  for (const int n : {0, 1, 2, 3, 4, 5}) {
+    const Axis axis = kAxes[static_cast<std::size_t>(n % 3)];
+    SpanModel fine = prepared.spans(axis);
+    shade_spans(fine, Lighting(view).table(), prepared.pool);  // means are of unlit voxels
+    CoarseSpans spans = coarse_spans(prepared, axis, 1, n < 3 ? nullptr : &fine);
     spans.light(view, Lighting(view), prepared.pool);
     const Grid coarse = coarse_grid(volume.grid, 1);
     const std::vector<reference::VoxelOptics> ours = unpacked(spans.model(), coarse);
