@@ -93,8 +93,8 @@ Result<std::unique_ptr<BlockVolume>> BlockVolume::read(std::shared_ptr<const Atl
     if (!group.means) return tl::unexpected(group.means.error());
   }
   const VoxelType type = atlas->value_type();
-  std::unique_ptr<BlockVolume> volume(
-      new BlockVolume(std::move(atlas), coarse_grid(atlas->grid(), kMeanLevel)));
+  const Grid grid = coarse_grid(atlas->grid(), kMeanLevel);
+  std::unique_ptr<BlockVolume> volume(new BlockVolume(std::move(atlas), grid));
   SPLATLAS_RETURN_IF_ERROR(volume->divide(groups, type, pool));
   return volume;
 }

@@ -44,6 +44,7 @@ AtlasContent turned() {
 std::vector<GoldenContent> golden_contents() {
   std::vector<GoldenContent> contents{{"good", good_content()},
                                       {"compact", good_content(), true},
+                                      {"means", good_content(), false, 1},
                                       {"surfaces", fitted_by_all_rules(good_content())},
                                       {"nothing", nothing()},
                                       {"turned", turned()}};

@@ -1,6 +1,7 @@
 // Contents of the golden files, and their text.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@ struct GoldenContent {
   std::string name;  ///< file name
   AtlasContent content;
   bool compact = false;
+  std::uint64_t means_from = ~std::uint64_t{0};  ///< WriteOptions::means_from
 };
 
 /// All numbers of an atlas as plain text, stored beside golden files; equal text for equal content.

@@ -42,7 +42,8 @@ TEST(Golden, FilesHoldWhatTheyHeld) {
 TEST(Golden, ContentsComeBackAsTheyWere) {
   const std::string good = content_text(golden_contents().front().content);
   for (const GoldenContent& golden : golden_contents()) {
-    const auto atlas = Atlas::open_bytes(encode_atlas(golden.content, {.compact = golden.compact}).value());
+    const auto atlas = Atlas::open_bytes(
+        encode_atlas(golden.content, {.compact = golden.compact, .means_from = golden.means_from}).value());
     ASSERT_TRUE(atlas) << golden.name << ": " << atlas.error().message;
     const std::string text = content_text(golden.content);
     EXPECT_EQ(content_text((*atlas)->read_all().value()), text) << golden.name;

@@ -24,7 +24,7 @@ int main(int argc, char** argv) try {
   std::string good;  // the first one
   for (const splatlas::GoldenContent& golden : splatlas::golden_contents()) {
     must(splatlas::write_atlas(golden.content, folder / (golden.name + ".atlas"),
-                               {.compact = golden.compact}));
+                               {.compact = golden.compact, .means_from = golden.means_from}));
     std::string text = splatlas::content_text(golden.content);
     if (!good.empty()) text = splatlas::text_beside(good, text);
     if (good.empty()) good = text;
