@@ -92,10 +92,10 @@ class Atlas {
   /// voxels(c) * bytes_of(value_type()) bytes.
   [[nodiscard]] Result<std::vector<std::byte>> read_values(ClassId c) const;
   /// The means of the grey values of a class, and of all classes in the same structures, in blocks of voxels
-  /// (format/content/block_means.h): stored ones, else those of the values. No means in an
-  /// atlas without values.
+  /// (format/content/block_means.h): stored ones, else those of the values.
+  /// Without values in the atlas, only blocks and voxels.
   [[nodiscard]] Result<BlockMeans> read_means(ClassId c) const;
-  /// True if these means are stored, so that they are read without the values.
+  /// True if these means are stored, so that they are read without the values. `c` must be a class.
   [[nodiscard]] bool has_means(ClassId c) const;
   /// Normals of a class with a boundary membership, in memory order; empty for other classes.
   [[nodiscard]] Result<std::vector<PackedNormal>> read_normals(ClassId c) const;

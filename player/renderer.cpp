@@ -143,8 +143,7 @@ struct Renderer::Impl {
     const Axis axis =
         is_by_rays(frame.view(), options) ? Axis::kZ : factorise(frame.view().plane, atlas->grid()).principal;
     const bool rough = may_be_rough(options);
-    constexpr double kVoxelPixels = SurfacePace::kFinePixels;  // the finest surfaces that are quick
-    const int level = decoded.surface_level(drawn.plan(), kVoxelPixels, options, pool);
+    const int level = rough ? decoded.quick_level(drawn.plan()) : 0;
     SPLATLAS_RETURN_IF_ERROR(decode(axis, options, rough ? VoxelParts::kRuns : parts_of(options), level));
     fit_decode_ms += watch.lap().wall_ms;
 
@@ -165,10 +164,13 @@ struct Renderer::Impl {
     task.begin_stage(kDecoded);
     Stopwatch watch;
     stats.surface_level = decoded.surface_level(drawn.plan(), shear.voxel_pixels(), options, pool);
-    const bool by_blocks = decoded.waits_for_values(drawn.plan(), shear.voxel_pixels(), options, pool) &&
-                           spans.require_blocks(span_source(options), pool);
-    SPLATLAS_RETURN_IF_ERROR(decode(shear.principal, options,
-                                    by_blocks ? VoxelParts::kNone : parts_of(options), stats.surface_level));
+    // Surfaces first: a damaged one leaves the plan, and blocks are those of a plan
+    const bool waits = decoded.waits_for_values(drawn.plan(), shear.voxel_pixels(), options, pool);
+    if (waits)
+      SPLATLAS_RETURN_IF_ERROR(decode(shear.principal, options, VoxelParts::kNone, stats.surface_level));
+    const bool by_blocks = waits && spans.require_blocks(span_source(options), pool);
+    if (!by_blocks)
+      SPLATLAS_RETURN_IF_ERROR(decode(shear.principal, options, parts_of(options), stats.surface_level));
     stats.decode_ms = std::exchange(fit_decode_ms, 0) + watch.lap().wall_ms;
 
     // Merge runs to spans, and light them
@@ -186,11 +188,8 @@ struct Renderer::Impl {
     SheetFrame stages(scene, volume, buffers, stats, pool);
     SPLATLAS_RETURN_IF_ERROR(run_stages(stages, kSheetLoops, call, frame));
     stats.render_ms = watch.lap().wall_ms - (stats.select_ms - select_ms);
-    if (by_blocks) {
-      forget_frames();  // picks need the voxels
-    } else {
-      spans.took(stats, options);
-    }
+    if (by_blocks) forget_frames();  // picks need the voxels
+    spans.took(stats, options);
     decoded.took(stats, options);
     return {};
   }

@@ -18,7 +18,7 @@ check() {
   fi
 }
 
-check product 61690 format preprocess player schemas
-check tests 49480 tests
+check product 61770 format preprocess player schemas
+check tests 49540 tests
 check bench 8510 bench
 exit "$bad"

@@ -1,6 +1,7 @@
 #include "format/derive/block_means.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <type_traits>
@@ -104,7 +105,8 @@ T mean_of(std::int64_t sum, std::int64_t count) {
 }
 template <typename T>
 T mean_of(double sum, std::int64_t count) {
-  return static_cast<T>(sum / static_cast<double>(count));
+  const double mean = sum / static_cast<double>(count);
+  return std::isnan(mean) ? std::numeric_limits<T>::quiet_NaN() : static_cast<T>(mean);
 }
 
 }  // namespace

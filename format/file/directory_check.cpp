@@ -206,7 +206,9 @@ Result<void> check_surfaces(const Directory& d, const Grid& grid) {
 Result<void> check_means(const Directory& d, const ValueGroups& groups, const Grid& grid) {
   const bool has_section = std::ranges::count(d.sections, static_cast<std::uint32_t>(SectionKind::kMeans),
                                               &SectionEntry::kind) != 0;
-  const std::size_t expected = has_section && d.value_type != VoxelType::kNone ? groups.size() : 0;
+  if (has_section && d.value_type == VoxelType::kNone)
+    return invalid_atlas("invalid: means without a value type");
+  const std::size_t expected = has_section ? groups.size() : 0;
   if (d.mean_blocks.size() != expected) {
     return invalid_atlas("invalid: numbers of means of {} groups, expected {}", d.mean_blocks.size(),
                          expected);

@@ -15,6 +15,12 @@ inline constexpr std::uint64_t kMaxFittedVoxels = std::uint64_t{1} << 28;
 /// Number of voxels of crop_around(box), the larger of the two crops.
 [[nodiscard]] std::uint64_t crop_voxels(const IndexBox& box);
 
+/// Bytes that fit_surface() or fit_normals() hold: the crop, and 23 floats per voxel of a slice.
+[[nodiscard]] inline double crop_bytes(const IndexBox& box) {
+  const auto voxels = static_cast<double>(crop_voxels(box));
+  return voxels + 92 * voxels / static_cast<double>(box.last[2] - box.first[2] + 1);
+}
+
 /// True if a reader fits faster from runs than from a crop of the bounding box. `items` are vertices of a
 /// surface or voxels with normals; one costs about as much as 200 voxels of a crop.
 [[nodiscard]] inline bool fits_sparsely(const IndexBox& box, std::uint64_t items) {

@@ -17,12 +17,6 @@ namespace {
 
 constexpr double kBytesPerSparseTriangle = 200, kBytesPerFittedVertex = 200;
 
-/// Bytes that fit_surface() or fit_normals() hold: the crop, and 23 floats per voxel of a slice.
-double crop_bytes(const IndexBox& box) {
-  const auto voxels = static_cast<double>(crop_voxels(box));
-  return voxels + 92 * voxels / static_cast<double>(box.last[2] - box.first[2] + 1);
-}
-
 }  // namespace
 
 template <typename Take>

@@ -72,8 +72,8 @@ struct Atlas::Impl {
                                                                 const GroupVoxels& voxels) const;
   [[nodiscard]] Result<ValueCache::GroupValues> decode_group(std::size_t group) const;
   [[nodiscard]] Result<BlockMeans> read_group_means(std::size_t group) const;
-  /// Compares stored means with those of the values.
-  [[nodiscard]] Result<void> verify_means(std::size_t group) const;
+  /// Decodes the values of a group, and compares its means with them.
+  [[nodiscard]] Result<void> verify_values(std::size_t group) const;
   [[nodiscard]] Result<std::vector<std::byte>> read_class_values(ClassId c) const;
   [[nodiscard]] Result<void> check_class(ClassId c) const;
   [[nodiscard]] Result<void> check_structure(StructureIndex s) const;

@@ -10,6 +10,22 @@
 #include "format/tasks/task_control.h"
 
 namespace splatlas {
+namespace {
+
+/// Upper bound of the memory of the means of a group: of a slice of blocks, all blocks, and their runs.
+double bytes_of_blocks(const IndexBox& box, std::uint64_t voxels, std::size_t spans,
+                       std::size_t value_bytes) {
+  constexpr double kPerColumn = 10, kGrowth = 2;
+  const IndexBox in_blocks = box_of_blocks(box);
+  const auto blocks = static_cast<double>(std::min(voxels, in_blocks.voxels()));
+  const double columns = static_cast<double>(in_blocks.voxels()) /
+                         static_cast<double>(in_blocks.last[2] - in_blocks.first[2] + 1);
+  const double runs = std::min(blocks, static_cast<double>(spans));
+  return kPerColumn * columns + kGrowth * (blocks * static_cast<double>(1 + value_bytes) +
+                                           runs * static_cast<double>(sizeof(ClassSpan) + sizeof(Run)));
+}
+
+}  // namespace
 
 Result<std::vector<ClassSpan>> Atlas::Impl::read_spans(std::size_t group) const {
   const std::vector<ClassId> of = groups.locating_classes(group);
@@ -109,15 +125,13 @@ Result<std::vector<ClassSpan>> Atlas::Impl::read_undivided_spans(std::size_t gro
 }
 
 Result<BlockMeans> Atlas::Impl::read_group_means(std::size_t group) const {
-  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<ClassSpan> spans, read_undivided_spans(group));
   const std::uint64_t voxels = group_voxels(groups, directory.classes, group);
+  if (voxels == 0) return BlockMeans{};
   const IndexBox box = group_box(groups, directory.classes, group, grid.size);
   if (!may_have_means(box))
     return named(ErrorCode::kLimit, "class {} is too wide for means", groups.classes[group].front());
-  constexpr double kBytesPerColumn = 10;  // of blocks_of() and block_means()
-  const IndexBox in_blocks = box_of_blocks(box);
-  check_memory(kBytesPerColumn * static_cast<double>(in_blocks.last[0] - in_blocks.first[0] + 1) *
-               static_cast<double>(in_blocks.last[1] - in_blocks.first[1] + 1));
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<ClassSpan> spans, read_undivided_spans(group));
+  check_memory(bytes_of_blocks(box, voxels, spans.size(), bytes_of(directory.value_type)));
   GroupBlocks blocks = blocks_of(spans, box, grid.size);
   BlockMeans means;
   for (const ClassSpan& span : blocks.spans) means.runs.push_back(span.run);
@@ -135,7 +149,7 @@ Result<BlockMeans> Atlas::Impl::read_group_means(std::size_t group) const {
     return named(ErrorCode::kInvalidAtlas, "invalid: means of class {}: {} blocks, its voxels give {}",
                  groups.classes[group].front(), stored, means.voxels.size());
   }
-  const GroupVoxels of_blocks{blocks.spans, stored, in_blocks, blocks_of_grid(grid.size)[1]};
+  const GroupVoxels of_blocks{blocks.spans, stored, box_of_blocks(box), blocks_of_grid(grid.size)[1]};
   SPLATLAS_ASSIGN_OR_RETURN(means.values, decode_values_of(group, SectionKind::kMeans, of_blocks));
   return means;
 }
@@ -146,8 +160,9 @@ Result<BlockMeans> Atlas::read_means(ClassId c) const {
   return impl_->guarded(read, " for the means of class {}", c);
 }
 
-Result<void> Atlas::Impl::verify_means(std::size_t group) const {
-  if (directory.mean_blocks.empty() || directory.mean_blocks[group] == 0) return {};
+Result<void> Atlas::Impl::verify_values(std::size_t group) const {
+  if (directory.mean_blocks.empty() || directory.mean_blocks[group] == 0)
+    return decode_group(group).map([](const auto&) {});
   SPLATLAS_ASSIGN_OR_RETURN(const BlockMeans stored, read_group_means(group));
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<ClassSpan> spans, read_spans(group));
   const IndexBox box = group_box(groups, directory.classes, group, grid.size);

@@ -15,10 +15,15 @@
 
 namespace splatlas {
 
-/// A group of classes: how it is drawn, its blocks, and those that it owns.
+/// A group of classes: its blocks, and those that it owns.
 struct BlockVolume::Group {
   ClassDraw draw;
   Result<BlockMeans> means;
+  ClassRuns owned;
+};
+/// Groups [begin, end) with the appearance of one structure.
+struct BlockVolume::Structure {
+  std::size_t begin = 0, end = 0;
   SplitRuns runs;
   std::vector<PackedNormal> normals;  // of runs.boundary
 };
@@ -69,6 +74,7 @@ std::vector<PackedNormal> normals_of(const SplitRuns& of, const Grid& grid) {
     rows.sort();
     return fit_sparse_normals(rows, of.boundary, grid);
   }
+  check_memory(crop_bytes(box));
   StructureCrop crop = crop_around(box);
   paint_runs(of.interior, grid.size[1], StructureCrop::kInterior, crop);
   paint_runs(of.boundary, grid.size[1], StructureCrop::kBoundary, crop);
@@ -81,12 +87,12 @@ Result<std::unique_ptr<BlockVolume>> BlockVolume::read(std::shared_ptr<const Atl
                                                        const DrawPlan& plan, ThreadPool& pool) {
   // Classes of one group are drawn alike
   const ValueGroups value_groups(atlas->classes());
-  std::map<std::uint32_t, ClassDraw> draws;
+  std::map<std::pair<StructureIndex, std::uint32_t>, ClassDraw> draws;
   for (const ClassDraw& draw : plan.classes) {
-    if (draws_volume(draw.role)) draws.try_emplace(value_groups.group_of[draw.id], draw);
+    if (draws_volume(draw.role)) draws.try_emplace({draw.volume_of, value_groups.group_of[draw.id]}, draw);
   }
   std::vector<Group> groups;
-  for (const auto& [number, draw] : draws) groups.push_back({draw, {}, {}, {}});
+  for (const auto& [key, draw] : draws) groups.push_back({draw, {}, {}});
   pool.for_each(groups.size(),
                 [&](std::size_t n) { groups[n].means = atlas->read_means(groups[n].draw.id); });
   for (const Group& group : groups) {
@@ -99,50 +105,88 @@ Result<std::unique_ptr<BlockVolume>> BlockVolume::read(std::shared_ptr<const Atl
   return volume;
 }
 
-/// Divides the blocks among groups, and those of a group into interior and boundary.
+/// Divides the blocks among structures, and those of a structure into interior and boundary.
 Result<void> BlockVolume::divide(std::vector<Group>& groups, VoxelType type, ThreadPool& pool) {
-  const auto blocks = static_cast<std::uint64_t>(grid_.voxels());
-  const std::int64_t width = grid_.size[0];
-  const std::size_t value_bytes = bytes_of(type);
-  SPLATLAS_ASSIGN_OR_RETURN(covered_, SparseBytes::reserve(blocks));
-  SPLATLAS_ASSIGN_OR_RETURN(SparseBytes most, SparseBytes::reserve(blocks));  // voxels of the owner
-  SPLATLAS_ASSIGN_OR_RETURN(SparseBytes owner_bytes, SparseBytes::reserve(blocks * sizeof(std::uint32_t)));
-  SPLATLAS_ASSIGN_OR_RETURN(SparseBytes values, SparseBytes::reserve(blocks * value_bytes));
-  SPLATLAS_ASSIGN_OR_RETURN(SparseBytes normals, SparseBytes::reserve(blocks * sizeof(PackedNormal)));
-  auto* const owners = reinterpret_cast<std::uint32_t*>(owner_bytes.data());
-  for (std::uint32_t g = 0; g < groups.size(); ++g) {
-    check_task();
-    const BlockMeans& means = *groups[g].means;
-    for_each_block(means.runs, width, [&](std::size_t block, std::size_t n) {
-      const int voxels = means.voxels[n];
-      std::byte& covered = covered_.data()[block];
-      covered = static_cast<std::byte>(std::min(std::to_integer<int>(covered) + voxels, kVoxels));
-      if (voxels <= std::to_integer<int>(most.data()[block])) return;
-      most.data()[block] = static_cast<std::byte>(voxels);
-      owners[block] = g;
-      std::memcpy(values.data() + block * value_bytes, means.values.data() + n * value_bytes, value_bytes);
-    });
+  std::vector<Structure> structures;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    if (g == 0 || groups[g].draw.volume_of != groups[g - 1].draw.volume_of)
+      structures.push_back({g, g, {}, {}});
+    structures.back().end = g + 1;
   }
-  pool.for_each(groups.size(), [&](std::size_t g) {
-    Group& group = groups[g];
-    const ClassRuns runs =
-        owned_runs(group.means->runs, width, [&](std::size_t block) { return owners[block] == g; });
-    group.means = {};
-    group.runs = split_boundary(runs, grid_.size, Axis::kZ);
-    group.normals = normals_of(group.runs, grid_);
+  SPLATLAS_ASSIGN_OR_RETURN(SparseBytes values, own_blocks(groups, structures, type));
+  pool.for_each(structures.size(), [&](std::size_t n) {
+    Structure& structure = structures[n];
+    ClassRuns runs = std::move(groups[structure.begin].owned);
+    for (std::size_t g = structure.begin + 1; g < structure.end; ++g) runs = join_runs(runs, groups[g].owned);
+    structure.runs = split_boundary(runs, grid_.size, Axis::kZ);
+    structure.normals = normals_of(structure.runs, grid_);
   });
-  for (const Group& group : groups) {
-    const std::byte* next = reinterpret_cast<const std::byte*>(group.normals.data());
-    for (const Run& run : group.runs.boundary) {
-      const std::size_t first = run.scanline * static_cast<std::size_t>(width) + run.start;
-      std::memcpy(normals.data() + first * sizeof(PackedNormal), next, run.length * sizeof(PackedNormal));
-      next += run.length * sizeof(PackedNormal);
-    }
-    add(group.draw, Part::kInterior, group.runs.interior);
-    add(group.draw, Part::kBoundary, group.runs.boundary);
+  SPLATLAS_ASSIGN_OR_RETURN(
+      SparseBytes normals,
+      SparseBytes::reserve(static_cast<std::uint64_t>(grid_.voxels()) * sizeof(PackedNormal)));
+  auto* const of_blocks = reinterpret_cast<PackedNormal*>(normals.data());
+  for (const Structure& structure : structures) {
+    for_each_block(structure.runs.boundary, grid_.size[0],
+                   [&](std::size_t block, std::size_t n) { of_blocks[block] = structure.normals[n]; });
+    add(groups[structure.begin].draw, Part::kInterior, structure.runs.interior);
+    add(groups[structure.begin].draw, Part::kBoundary, structure.runs.boundary);
   }
   cache_.keep_voxels(std::move(values), std::move(normals));
   return {};
+}
+
+/// Gives each block to the structure with most voxels in it, and there to its group with most of them.
+/// Returns the values of the blocks: the means of these groups.
+Result<SparseBytes> BlockVolume::own_blocks(std::vector<Group>& groups,
+                                            const std::vector<Structure>& structures, VoxelType type) {
+  const auto blocks = static_cast<std::uint64_t>(grid_.voxels());
+  const std::size_t value_bytes = bytes_of(type);
+  SPLATLAS_ASSIGN_OR_RETURN(covered_, SparseBytes::reserve(blocks));
+  SPLATLAS_ASSIGN_OR_RETURN(SparseBytes counts, SparseBytes::reserve(blocks));  // of the current structure
+  SPLATLAS_ASSIGN_OR_RETURN(SparseBytes most, SparseBytes::reserve(blocks));
+  SPLATLAS_ASSIGN_OR_RETURN(SparseBytes owners, SparseBytes::reserve(blocks * sizeof(std::uint32_t)));
+  SPLATLAS_ASSIGN_OR_RETURN(SparseBytes values, SparseBytes::reserve(blocks * value_bytes));
+  auto* const owner_of = reinterpret_cast<std::uint32_t*>(owners.data());  // groups
+  // Calls take(block, voxels of the group, g, n-th block of the group) for the groups of a structure.
+  const auto visit = [&](const Structure& structure, const auto& take) {
+    check_task();
+    for (std::size_t g = structure.begin; g < structure.end; ++g) {
+      const std::vector<std::uint8_t>& voxels = groups[g].means->voxels;
+      for_each_block(groups[g].means->runs, grid_.size[0],
+                     [&](std::size_t block, std::size_t n) { take(block, std::byte{voxels[n]}, g, n); });
+    }
+  };
+  const auto sum = [](std::byte a, std::byte b) {
+    return static_cast<std::byte>(std::min(std::to_integer<int>(a) + std::to_integer<int>(b), kVoxels));
+  };
+  for (const Structure& structure : structures) {
+    visit(structure, [&](std::size_t block, std::byte voxels, auto...) {
+      covered_.data()[block] = sum(covered_.data()[block], voxels);
+      counts.data()[block] = sum(counts.data()[block], voxels);
+    });
+    visit(structure, [&](std::size_t block, auto...) {
+      if (counts.data()[block] <= most.data()[block]) return;
+      most.data()[block] = counts.data()[block];
+      owner_of[block] = static_cast<std::uint32_t>(structure.begin);
+    });
+    visit(structure, [&](std::size_t block, auto...) { counts.data()[block] = {}; });
+  }
+  for (const Structure& structure : structures) {
+    visit(structure, [&](std::size_t block, std::byte voxels, std::size_t g, std::size_t n) {
+      if (owner_of[block] < structure.begin || owner_of[block] >= structure.end) return;
+      if (voxels <= counts.data()[block]) return;
+      counts.data()[block] = voxels;
+      owner_of[block] = static_cast<std::uint32_t>(g);
+      std::memcpy(values.data() + block * value_bytes, groups[g].means->values.data() + n * value_bytes,
+                  value_bytes);
+    });
+  }
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    groups[g].owned = owned_runs(groups[g].means->runs, grid_.size[0],
+                                 [&](std::size_t block) { return owner_of[block] == g; });
+    groups[g].means = {};
+  }
+  return values;
 }
 
 void BlockVolume::add(const ClassDraw& draw, Part part, const ClassRuns& runs) {

@@ -1,8 +1,11 @@
 // Volume of a selection in blocks of voxels, for first pictures.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "format/atlas_reader.h"
@@ -15,8 +18,9 @@
 namespace splatlas {
 
 /// The volume classes of a plan in a grid of blocks (format/content/block_means.h), as voxels of a coarser
-/// atlas. A block is of the group of classes with most voxels in it, and has their mean grey value. Groups
-/// are divided into interior and boundary blocks anew, with normals of their own. Not thread-safe.
+/// atlas. A block is of the structure with most voxels in it, and has the mean grey value of its largest part
+/// there. Structures are divided into interior and boundary blocks anew, with normals of their own. Not
+/// thread-safe.
 class BlockVolume {
  public:
   /// Reads runs along z and means. Errors of Atlas::read_means(). Cost: linear in the runs, and about 0.1 us
@@ -39,9 +43,12 @@ class BlockVolume {
  private:
   static constexpr int kVoxels = 1 << (3 * kMeanLevel);
   struct Group;
+  struct Structure;
 
   BlockVolume(std::shared_ptr<const Atlas> atlas, const Grid& grid) : grid_(grid), cache_(std::move(atlas)) {}
   [[nodiscard]] Result<void> divide(std::vector<Group>& groups, VoxelType type, ThreadPool& pool);
+  [[nodiscard]] Result<SparseBytes> own_blocks(std::vector<Group>& groups,
+                                               const std::vector<Structure>& structures, VoxelType type);
   void add(const ClassDraw& draw, Part part, const ClassRuns& runs);
 
   Grid grid_;

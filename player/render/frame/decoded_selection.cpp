@@ -33,6 +33,19 @@ int DecodedSelection::surface_level(const DrawPlan& plan, double voxel_pixels, c
   });
 }
 
+int DecodedSelection::quick_level(const DrawPlan& plan) const {
+  constexpr double kMaxTriangles = 4e5;
+  double triangles = 0;
+  for (const StructureIndex s : plan.surfaces) {
+    if (atlas_->has_levels(s)) triangles += static_cast<double>(atlas_->triangles(s));
+  }
+  int level = 0;
+  while (level < Coverage::kMaxLevel &&
+         std::ldexp(triangles, -2 * level) > (level == 0 ? 1 : 6) * kMaxTriangles)
+    ++level;
+  return level;
+}
+
 bool DecodedSelection::waits_for_values(const DrawPlan& plan, double voxel_pixels,
                                         const RenderOptions& options, const ThreadPool& pool) const {
   constexpr double kMsPerVoxel = 100e-6;  // to decode values and normals, on one thread
@@ -53,8 +66,9 @@ void DecodedSelection::took(const RenderStats& stats, const RenderOptions& optio
 
 Result<std::optional<DrawPlan>> DecodedSelection::require(const DrawPlan& plan, Axis axis, VoxelParts parts,
                                                           int surface_level, ThreadPool& pool) {
-  const Result<void> classes =
-      parts == VoxelParts::kNone ? Result<void>{} : cache_.require(volume_classes(plan), axis, pool, parts);
+  const std::vector<ClassId> of_volume =
+      parts == VoxelParts::kNone ? std::vector<ClassId>() : volume_classes(plan);
+  const Result<void> classes = cache_.require(of_volume, axis, pool, parts);
   if (!classes && cache_.failed_classes().empty()) return tl::unexpected(classes.error());
   const Result<void> surfaces = cache_.require_surfaces(plan.surfaces, pool, surface_level);
   if (classes && surfaces) return std::nullopt;

@@ -26,6 +26,8 @@ class DecodedSelection {
   /// Records the times of the frame of the latest surface_level().
   void took(const RenderStats& stats, const RenderOptions& options);
 
+  /// Level at which all surfaces of a plan can be derived in half a second: depends on their triangles alone.
+  [[nodiscard]] int quick_level(const DrawPlan& plan) const;
   /// True if the values of the plan take long to decode, while their means are stored: blocks of voxels
   /// should stand in for them in a draft within a budget. `voxel_pixels`: Shear::voxel_pixels().
   [[nodiscard]] bool waits_for_values(const DrawPlan& plan, double voxel_pixels, const RenderOptions& options,

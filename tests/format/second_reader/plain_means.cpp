@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <type_traits>
 
 #include "tests/format/second_reader/flat_directory.h"
@@ -17,7 +18,8 @@ Bytes mean_of(const Bytes& values, const std::vector<std::size_t>& voxels) {
   double sum = 0;
   for (const std::size_t v : voxels) sum += static_cast<double>(number_at<T>(values, v * sizeof(T)));
   const double mean = sum / static_cast<double>(voxels.size());
-  const T rounded = std::is_integral_v<T> ? static_cast<T>(std::floor(mean + 0.5)) : static_cast<T>(mean);
+  T rounded = std::is_integral_v<T> ? static_cast<T>(std::floor(mean + 0.5)) : static_cast<T>(mean);
+  if (std::isnan(mean)) rounded = std::numeric_limits<T>::quiet_NaN();
   Bytes bytes(sizeof(T));
   std::memcpy(bytes.data(), &rounded, sizeof(T));
   return bytes;

@@ -29,6 +29,7 @@ void BlockSpans::prepare(Axis axis, bool shade, const ParallelView& view, const 
     lit_for_.reset();
   }
   if (!shade || (lit_for_ && have_same_lighting(*lit_for_, view))) return;
+  lit_for_.reset();  // in case the task is cancelled
   shade_spans(spans_->model(), lighting.table(), pool);
   lit_for_ = view;
 }

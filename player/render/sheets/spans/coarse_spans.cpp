@@ -138,7 +138,7 @@ class SliceAverager {
         sums.extinction += optics[0];
         sums.white += weight;
         for (std::size_t c = 0; c < 3; ++c) sums.emission[c] += emission[c];
-        if (is_shaded)
+        if (is_shaded && request_.shade)
           add_light(weight * static_cast<float>(shaded->lit) / ShadedVoxel::kAllLit, shaded->normal, sums);
       }
       if (is_shaded) ++shaded;
@@ -253,6 +253,7 @@ CoarseSpans::CoarseSpans(const SpanRequest& request, const SpanModel* fine, int 
 
 void CoarseSpans::light(const ParallelView& view, const Lighting& lighting, ThreadPool& pool) {
   if (lit_for_ && have_same_lighting(*lit_for_, view)) return;
+  lit_for_.reset();  // in case the task is cancelled
   if (model_.shaded_voxels > 0) shade_spans(model_, lighting.table(), pool);
   lit_for_ = view;
 }

@@ -1,6 +1,7 @@
 // Means of grey values in blocks, stored and derived.
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <optional>
 
@@ -27,7 +28,7 @@ using Blocks = std::map<std::array<std::int64_t, 3>, std::pair<int, std::string>
 
 template <typename T>
 std::string text_of(T mean) {
-  return std::to_string(mean);
+  return mean != mean ? "nan" : std::to_string(mean);
 }
 
 /// The blocks of all classes in the structures of class `c`, voxel by voxel.
@@ -116,6 +117,11 @@ TEST(Means, OfBadFilesAreRefused) {
   };
   const Bytes file = encode_atlas(good_content(), {.means_from = 1}).value();
   EXPECT_EQ(fault_of_file(file), "");
+  AtlasContent without_values = good_content();
+  without_values.values = {};
+  RawAtlas no_values = raw_atlas(encode_atlas(without_values).value());
+  no_values.directory.sections.push_back({7, 0, 262144, 512});
+  EXPECT_EQ(fault_of_file(file_of(no_values)), "F: invalid: means without a value type");
   for (const Row& row : kRows) {
     RawAtlas atlas = raw_atlas(file);
     row.change(atlas);

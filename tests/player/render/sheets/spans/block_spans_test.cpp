@@ -30,22 +30,23 @@ struct Part {
   double sum = 0;
 };
 
-/// [block]: parts by group. Voxel by voxel.
-std::vector<std::map<std::uint32_t, Part>> parts_of(const AtlasContent& content, const DrawPlan& plan) {
+/// [block][structure]: parts by group. Voxel by voxel.
+using Block = std::map<StructureIndex, std::map<std::uint32_t, Part>>;
+std::vector<Block> parts_of(const AtlasContent& content, const DrawPlan& plan) {
   const ValueGroups groups(content.classes);
   const Grid grid = storage_grid(content), coarse = coarse_grid(grid, 2);
   std::map<ClassId, std::uint32_t> draws;
   for (std::uint32_t n = 0; n < plan.classes.size(); ++n) {
     if (draws_volume(plan.classes[n].role)) draws[plan.classes[n].id] = n;
   }
-  std::vector<std::map<std::uint32_t, Part>> blocks(static_cast<std::size_t>(coarse.voxels()));
+  std::vector<Block> blocks(static_cast<std::size_t>(coarse.voxels()));
   std::size_t n = 0;
   for_each_voxel(grid.size, [&](const Index3& at) {
     const std::size_t voxel = n++;
     const auto found = draws.find(content.class_volume[voxel]);
     if (found == draws.end()) return;
     auto& block = blocks[static_cast<std::size_t>(coarse.offset(at[0] / 4, at[1] / 4, at[2] / 4))];
-    Part& part = block[groups.group_of[found->first]];
+    Part& part = block[plan.classes[found->second].volume_of][groups.group_of[found->first]];
     part.draw = found->second;
     ++part.voxels;
     visit_voxel_type(content.values.type, [&](auto tag) {
@@ -73,10 +74,16 @@ TEST(BlockSpans, HaveTheShareOfTheirVoxelsAndTheTransferOfTheMean) {
           ASSERT_EQ(ours[n].extinction, 0);
           continue;
         }
+        const auto voxels_of = [](const auto& structure) {
+          int voxels = 0;
+          for (const auto& [group, part] : structure.second) voxels += part.voxels;
+          return voxels;
+        };
         int voxels = 0;
-        for (const auto& [group, part] : blocks[n]) voxels += part.voxels;
+        for (const auto& structure : blocks[n]) voxels += voxels_of(structure);
+        const auto& owner = std::ranges::max_element(blocks[n], {}, voxels_of)->second;
         const Part& most =
-            std::ranges::max_element(blocks[n], {}, [](const auto& of) { return of.second.voxels; })->second;
+            std::ranges::max_element(owner, {}, [](const auto& of) { return of.second.voxels; })->second;
         visit_voxel_type(scene.content.values.type, [&](auto tag) {
           using T = decltype(tag);
           const double mean = most.sum / most.voxels;
@@ -163,7 +170,9 @@ std::array<double, 3> opacity_of(const Picture& picture) {
 
 TEST(BlockSpans, StandInForVoxelsThatTakeLongToDecode) {
   const Index3 size{180, 180, 178};
-  const AtlasContent content = make_content(volume_of(size, box_mask(size, {3, 2, 2}, {176, 175, 174}), 200));
+  TestVolume volume = volume_of(size, box_mask(size, {3, 2, 2}, {176, 175, 174}), 200);
+  volume.structures.push_back({"ball", ball_mask(size, {90, 90, 90}, 400)});
+  const AtlasContent content = make_content(volume);
   const Bytes file = encode_atlas(content, {.level = 1}).value();
   const Selection selection = selection_of("it:volume(opacity=0.02)", content.graph);
   const Camera camera{.azimuth_deg = 40, .elevation_deg = 20};
@@ -187,14 +196,27 @@ TEST(BlockSpans, StandInForVoxelsThatTakeLongToDecode) {
   options.draft_budget_ms = 33;  // the voxels are decoded now
   EXPECT_LT(frame_or_throw(renderer, camera, options).stats.level, 2);
 
-  // Where the means are damaged, the voxels are drawn
-  AtlasParts parts = take_apart(file);
-  parts.chunks.back().back() ^= std::byte{1};
-  Renderer of_damaged(Atlas::open_bytes(put_together(parts)).value(), {.threads = 1});
-  ASSERT_TRUE(of_damaged.select(selection));
-  const Frame voxels = frame_or_throw(of_damaged, camera, options);
-  EXPECT_GT(of_damaged.atlas().counters().decoded, 5'000'000u);
+  // Where the means are damaged, the voxels are drawn; a damaged surface leaves the blocks
+  const auto damaged = [&](SectionKind kind) {
+    AtlasParts parts = take_apart(file);
+    std::size_t end = 0;
+    for (const SectionEntry& section : parts.directory.sections) {
+      end += section.chunks;
+      if (section.kind == static_cast<std::uint32_t>(kind)) break;
+    }
+    parts.chunks[end - 1].back() ^= std::byte{1};
+    return Atlas::open_bytes(put_together(parts)).value();
+  };
+  Renderer without_means(damaged(SectionKind::kMeans), {.threads = 1});
+  ASSERT_TRUE(without_means.select(selection));
+  const Frame voxels = frame_or_throw(without_means, camera, options);
+  EXPECT_GT(without_means.atlas().counters().decoded, 5'000'000u);
   EXPECT_TRUE(voxels.missing.empty());
+  Renderer without_surface(damaged(SectionKind::kSurfaces), {.threads = 1});
+  ASSERT_TRUE(without_surface.select(selection_of("it:volume + ball:surface", content.graph)));
+  const Frame blocks = frame_or_throw(without_surface, camera, options);
+  EXPECT_EQ(blocks.stats.level, 2);
+  EXPECT_EQ(blocks.missing.size(), 1u);
 }
 
 }  // namespace

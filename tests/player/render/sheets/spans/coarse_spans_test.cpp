@@ -103,6 +103,19 @@ TEST(CoarseSpans, LightTheSharesOfBoundaryVoxels) {
   }
 }
 
+TEST(CoarseSpans, AreNotLitUnlessTheRequestAsksForIt) {
+  const RandomScene scene = random_scene(1, 20);
+  PreparedSelection prepared(scene.content, scene.selection);
+  const SpanModel fine = prepared.spans(Axis::kZ);
+  ASSERT_GT(fine.shaded_voxels, 0u);
+  const SelectedRuns runs = prepared.runs(Axis::kZ);
+  const CoarseSpans spans({runs, prepared.plan, prepared.appearances, prepared.atlas->classes(),
+                           prepared.atlas->grid(), prepared.cache, false},
+                          &fine, 1, prepared.pool);
+  EXPECT_GT(spans.model().voxels, 0u);
+  EXPECT_EQ(spans.model().shaded_voxels, 0u);
+}
+
 TEST(CoarseGrid, CoversTheGridFromItsCorner) {
   const Grid grid{{7, 8, 9}, {1, 2, 3}, {10, 20, 30}, {0, 1, 0, -1, 0, 0, 0, 0, 1}};
   const Grid coarse = coarse_grid(grid, 2);
