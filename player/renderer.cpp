@@ -90,7 +90,7 @@ struct Renderer::Impl {
     frame.picker = nullptr;
     SPLATLAS_ASSIGN_OR_RETURN(const View view, view_of(camera, options.size, atlas->display()));
     SPLATLAS_RETURN_IF_ERROR(check_ids(options, *atlas));
-    SPLATLAS_RETURN_IF_ERROR(check_size(options));
+    SPLATLAS_RETURN_IF_ERROR(check_size(options, max_memory_bytes));
     const FrameCall call{view, options, overrides, task};
     SPLATLAS_RETURN_IF_ERROR(render(call, frame));
     frame.stats = stats;
@@ -114,14 +114,6 @@ struct Renderer::Impl {
     return render_sheets(call, frame);
   }
 
-  /// Refuses pictures that take more than the memory.
-  [[nodiscard]] Result<void> check_size(const RenderOptions& options) const {
-    const std::uint64_t bytes = frame_bytes(options);
-    if (bytes <= max_memory_bytes) return {};
-    return fail(ErrorCode::kLimit,
-                "a picture of {}x{} pixels takes {} MiB; {} MiB are allowed. Take a smaller size",
-                options.size.width, options.size.height, bytes >> 20, max_memory_bytes >> 20);
-  }
   /// Memory that the picture and the decoded parts leave for spans; an eighth of all at least, as the decoded
   /// parts cannot take less.
   [[nodiscard]] std::uint64_t memory_for_spans(const RenderOptions& options) const {
@@ -136,7 +128,7 @@ struct Renderer::Impl {
                                    const PictureRegion& region) {
     SPLATLAS_ASSIGN_OR_RETURN(const FitFrame frame,
                               FitFrame::of(camera, options.size, atlas->display(), region));
-    SPLATLAS_RETURN_IF_ERROR(check_size(options));
+    SPLATLAS_RETURN_IF_ERROR(check_size(options, max_memory_bytes));
 
     // Decode the data of the picture; for drafts within a budget no more than tells the extents
     Stopwatch watch;

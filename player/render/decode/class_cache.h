@@ -42,7 +42,7 @@ struct FailedSurface {
 /// Classes of a plan that contribute to the volume, in the plan's order.
 [[nodiscard]] std::vector<ClassId> volume_classes(const DrawPlan& plan);
 
-/// What is decoded of the voxels of classes; each includes the ones before.
+/// Decoded parts of a class. Each value includes those before it.
 enum class VoxelParts : std::uint8_t { kNone, kRuns, kValues, kNormals };
 
 /// Cache of an atlas's classes and surfaces: a new selection reads only its new parts. Values (and normals)

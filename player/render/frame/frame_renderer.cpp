@@ -98,6 +98,14 @@ std::uint64_t frame_bytes(const RenderOptions& options) {
   return picture_bytes(options.size) + pixels_of(options.size) * bytes_per_pixel;
 }
 
+Result<void> check_size(const RenderOptions& options, std::uint64_t max_memory_bytes) {
+  const std::uint64_t bytes = frame_bytes(options);
+  if (bytes <= max_memory_bytes) return {};
+  return fail(ErrorCode::kLimit,
+              "a picture of {}x{} pixels takes {} MiB; {} MiB are allowed. Take a smaller size",
+              options.size.width, options.size.height, bytes >> 20, max_memory_bytes >> 20);
+}
+
 Result<void> check_ids(const RenderOptions& options, const Atlas& atlas) {
   if (!options.ids || atlas.graph().size() <= kMaxNumberedStructures) return {};
   return fail(ErrorCode::kUsage,

@@ -60,6 +60,8 @@ struct FrameScene {
 [[nodiscard]] bool shows_faces(const RenderOptions& options);
 /// Bytes of a picture, of its encoder, of its depth map and of its faces.
 [[nodiscard]] std::uint64_t frame_bytes(const RenderOptions& options);
+/// kLimit if these are more than `max_memory_bytes`.
+[[nodiscard]] Result<void> check_size(const RenderOptions& options, std::uint64_t max_memory_bytes);
 
 /// kUsage if the options ask for ids and the atlas has too many structures for them.
 [[nodiscard]] Result<void> check_ids(const RenderOptions& options, const Atlas& atlas);

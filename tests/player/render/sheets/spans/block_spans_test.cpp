@@ -196,7 +196,7 @@ TEST(BlockSpans, StandInForVoxelsThatTakeLongToDecode) {
   options.draft_budget_ms = 33;  // the voxels are decoded now
   EXPECT_LT(frame_or_throw(renderer, camera, options).stats.level, 2);
 
-  // Where the means are damaged, the voxels are drawn; a damaged surface leaves the blocks
+  // Damaged means: voxels are drawn instead. A damaged surface does not affect the blocks
   const auto damaged = [&](SectionKind kind) {
     AtlasParts parts = take_apart(file);
     std::size_t end = 0;
