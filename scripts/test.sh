@@ -10,8 +10,7 @@ Usage: scripts/test.sh [--quick | --all | --help]
 
   (no option)  The checks of CI, in about half an hour from nothing on two cores: layers, layout and size of the
                sources; web module; release build and tests; clang-tidy over recent changes; player without ITK and VTK,
-               installed and used; address and undefined behaviour sanitizers; thread sanitizer for tests with threads;
-               15 seconds of each fuzz target.
+               installed and used; address and undefined behaviour sanitizers.
   --quick      For daily work, within five minutes of a recent build: layers, layout, size, release build and tests,
                clang-tidy over changes since origin/HEAD.
   --all        Every check, in some hours: all tests of the release build, of each source compiled alone (preset dev),
@@ -66,15 +65,6 @@ run_tests() {
 # Without ITK and VTK. The objects are those of the release build, so their tests need not run twice.
 build_player_only() { build player-only splatlas-player splatlas-phantom-atlas; }
 
-# Shared by threads: pools, caches, the session of the window, readers and writers of atlases, frames.
-run_tests_with_threads() {
-  GTEST_FILTER='*Thread*:ParallelFor*:TaskControl*:*Cancellation*:Session*:Interrupts*:ClassCache*:OpticalArena*'
-  GTEST_FILTER+=':SharedRuns*:ValueCache*:AtlasWriter*:AtlasVerify*:LargeAtlas*:Renderer*:Pick*:Antialiasing*:DepthCue*'
-  export GTEST_FILTER
-  run_tests tsan --label-regex '^(format|player)$' --tests-regex shard
-  unset GTEST_FILTER
-}
-
 # Debian 12's thread sanitizer fails on kernels that randomise more address bits than it expects.
 fix_addresses() { ! setarch -R true 2>/dev/null || launcher=(setarch -R); }
 
@@ -96,10 +86,6 @@ elif [[ $form == usual ]]; then
   step "Address and undefined behaviour sanitizers: build" build asan-ubsan checks-format checks-player checks-preprocess
   step "Address and undefined behaviour sanitizers: tests" \
     run_tests asan-ubsan --label-regex '^(format|player|preprocess)$'
-  fix_addresses
-  step "Thread sanitizer: build" build tsan format_tests player_tests
-  step "Thread sanitizer: tests" run_tests_with_threads
-  step "Fuzzing" env FUZZ_JOBS=$((2 * $(nproc))) scripts/fuzz.sh 15
 else
   step "clang-tidy" scripts/check_tidy.sh
   step "Each source alone: build" build dev
