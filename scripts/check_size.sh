@@ -18,7 +18,7 @@ check() {
   fi
 }
 
-check product 61770 format preprocess player schemas
-check tests 49540 tests
+check product 62030 format preprocess player schemas
+check tests 49710 tests
 check bench 8510 bench
 exit "$bad"

@@ -10,10 +10,16 @@
 #include "format/tasks/parallel.h"
 #include "preprocess/import/meshes/quiet_vtk.h"
 #include "preprocess/surfaces/isosurface.h"
+#include "preprocess/surfaces/thick_slices.h"
 #include "preprocess/surfaces/vtk_surface.h"
 
 namespace splatlas {
 namespace {
+
+/// True if surfaces of the rule need smooth_across_slices().
+bool smooths_across_slices(SurfaceRule rule, const Grid& grid) {
+  return rule == SurfaceRule::kSmooth && has_thick_slices(grid);
+}
 
 /// Extracts the surface and the boundary normals of single structures.
 class StructureExtractor {
@@ -27,6 +33,7 @@ class StructureExtractor {
         grid_(grid),
         options_(options),
         rule_(rule_for(options.rule, grid.size)),
+        smooths_across_(smooths_across_slices(rule_, grid)),
         voxel_normals_(grid),
         normal_owner_(normal_owner),
         normals_(normals) {}
@@ -59,6 +66,8 @@ class StructureExtractor {
       SPLATLAS_RETURN_IF_ERROR(
           move_to_isosurface(*options_.values, isosurface->level, crop, grid_, vtk, result.mesh));
       result.is_derived = true;  // nothing to note: isosurfaces are stored anyway
+    } else if (smooths_across_) {
+      result.is_derived = true;  // stored anyway
     } else if (!options_.keeps_fitted && result.is_derived && crop_voxels(box) <= kMaxFittedVoxels) {
       result.fitted = {rule_, static_cast<std::uint32_t>(result.mesh.positions_ijk.size()),
                        static_cast<std::uint32_t>(result.mesh.triangles.size())};
@@ -73,6 +82,7 @@ class StructureExtractor {
   const Grid& grid_;
   const ExtractOptions& options_;
   SurfaceRule rule_;
+  bool smooths_across_;
   VoxelNormals voxel_normals_;
   std::span<const StructureIndex> normal_owner_;
   std::span<std::vector<PackedNormal>> normals_;  // [class]
@@ -128,6 +138,15 @@ Result<ExtractedSurfaces> extract_surfaces(const Classification& classification,
     result.fitted[structure] = extracted[n]->fitted;
     if (!extracted[n]->is_derived) ++result.not_derived;
   }
+
+  // Smooth those of labels across thick slices
+  if (!smooths_across_slices(rule_for(options.rule, storage_grid.size), storage_grid)) return result;
+  std::vector<SurfaceMesh*> of_labels;
+  for (StructureIndex s = 0; s < graph.size(); ++s) {
+    if (std::ranges::find(options.isosurfaces, s, &Isosurface::structure) == options.isosurfaces.end())
+      of_labels.push_back(&result.surfaces[s]);
+  }
+  smooth_across_slices(of_labels, storage_grid, options.threads);
   return result;
 }
 

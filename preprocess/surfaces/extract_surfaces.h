@@ -39,10 +39,11 @@ struct ExtractOptions {
 };
 
 /// Extracts the surface of each structure's own voxels with VTK (marching cubes, Lorensen and Cline 1987),
-/// closed at the border of the grid, and compares it with fit_surface(), which readers use. Boundary normals
-/// come from the mask smoothed with a Gaussian of one voxel. A boundary voxel of several structures has the
-/// normal of the lowest index. Errors name the structure. Parallel over structures. Memory per thread: a
-/// byte per voxel of a structure's box, five of an isosurface's, and about 200 per vertex.
+/// closed at the border of the grid, and compares it with fit_surface(), which readers use. Smooth surfaces
+/// of thick slices are then those of smooth_across_slices(). Boundary normals come from the mask smoothed
+/// with a Gaussian of one voxel. A boundary voxel of several structures has the normal of the lowest index.
+/// Errors name the structure. Parallel over structures. Memory per thread: a byte per voxel of a structure's
+/// box, five of an isosurface's, and about 200 per vertex.
 [[nodiscard]] Result<ExtractedSurfaces> extract_surfaces(const Classification& classification,
                                                          const StructureGraph& graph,
                                                          const Grid& storage_grid,

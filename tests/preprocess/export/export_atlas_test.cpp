@@ -19,7 +19,7 @@ class ExportSurfaces : public BuildAtlas {
  protected:
   static Image image_of(const std::vector<std::uint8_t>& voxels) {
     Image image;
-    image.grid = {.size = {phantom::kSize, phantom::kSize, phantom::kSize}, .spacing_mm = {1, 0.5, 2}};
+    image.grid = {.size = {phantom::kSize, phantom::kSize, phantom::kSize}, .spacing_mm = {1, 0.5, 0.8}};
     image.voxels.type = VoxelType::kUInt8;
     const auto bytes = std::as_bytes(std::span(voxels));
     image.voxels.bytes.assign(bytes.begin(), bytes.end());

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "preprocess/surfaces/thick_slices.h"
 #include "tests/preprocess/memberships.h"
 
 namespace splatlas {
@@ -191,6 +192,16 @@ RC_GTEST_PROP(ExtractSurfaces, EveryTriangleIsListedUnderItsLeadingVoxel, ()) {
   const Extracted alone = extract(masks, grid, 1);
   RC_ASSERT(alone.surfaces.surfaces == e.surfaces.surfaces);
   RC_ASSERT(alone.surfaces.boundary_normals == e.surfaces.boundary_normals);
+}
+
+TEST(ExtractSurfaces, ThickSlicesAreSmoothedAcross) {
+  const auto scale = [](double thickness, SurfaceRule rule) {
+    const Grid grid{.size = kPhantomSize, .spacing_mm = {1, 1, thickness}};
+    return extract(phantom_masks(), grid, 2, rule).surfaces.surfaces[0].position_scale;
+  };
+  EXPECT_EQ(scale(2.5, SurfaceRule::kSmooth), kThickSliceScale);
+  EXPECT_EQ(scale(2, SurfaceRule::kSmooth), static_cast<std::uint32_t>(SurfaceRule::kSmooth));
+  EXPECT_EQ(scale(2.5, SurfaceRule::kVoxels), static_cast<std::uint32_t>(SurfaceRule::kVoxels));
 }
 
 TEST(ExtractSurfaces, BoundaryNormalsStandInMemoryOrder) {
