@@ -130,7 +130,7 @@ class JointSurfaces {
     }
     std::vector<std::uint64_t> sorted = edges;
     std::ranges::sort(sorted);
-    sorted.erase(std::ranges::unique(sorted).begin(), sorted.end());
+    sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
     for (const std::uint64_t edge : edges)
       vertex_of_.push_back(
           static_cast<std::uint32_t>(std::ranges::lower_bound(sorted, edge) - sorted.begin()));
