@@ -109,7 +109,7 @@ struct RenderStats {
   double occupancy = 0;              ///< sum of the three over the voxels of the grid
   std::uint64_t runs_visited = 0;    ///< runs of selected classes
   std::uint64_t voxels_visited = 0;  ///< splatted voxels, or voxels of the ray volume
-  int level = 0;                     ///< splatted voxels are means of 2^level along each axis
+  int level = 0;                     ///< voxels of the volume are means of 2^level along each axis
   int surface_level = 0;             ///< surfaces are those of blocks of 2^level voxels
   bool rays = false;                 ///< the volume is drawn by rays, not by sheets
   bool strips = false;               ///< spans were built strip by strip, as memory does not hold all

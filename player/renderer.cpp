@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 #include <utility>
 
 #include "format/io/memory_limit.h"
@@ -13,6 +12,7 @@
 #include "player/render/frame/decoded_selection.h"
 #include "player/render/frame/drawn_selection.h"
 #include "player/render/frame/face_store.h"
+#include "player/render/frame/failed_frame.h"
 #include "player/render/frame/fit_selection.h"
 #include "player/render/frame/ray_frame.h"
 #include "player/render/frame/ray_store.h"
@@ -153,17 +153,11 @@ struct Renderer::Impl {
     SPLATLAS_ASSIGN_OR_RETURN(const Shear shear, shear_of(view.plane, atlas->grid(), overrides));
 
     // Decode the selection along the principal axis
-    task.begin_stage(kDecoded);
+    SPLATLAS_ASSIGN_OR_RETURN(const bool by_blocks,
+                              decode_for(call, shear.principal, shear.voxel_pixels(), [&] {
+                                return spans.require_blocks(span_source(call.options), pool);
+                              }));
     Stopwatch watch;
-    stats.surface_level = decoded.surface_level(drawn.plan(), shear.voxel_pixels(), options, pool);
-    // Surfaces first: a damaged one leaves the plan, and blocks are those of a plan
-    const bool waits = decoded.waits_for_values(drawn.plan(), shear.voxel_pixels(), options, pool);
-    if (waits)
-      SPLATLAS_RETURN_IF_ERROR(decode(shear.principal, options, VoxelParts::kNone, stats.surface_level));
-    const bool by_blocks = waits && spans.require_blocks(span_source(options), pool);
-    if (!by_blocks)
-      SPLATLAS_RETURN_IF_ERROR(decode(shear.principal, options, parts_of(options), stats.surface_level));
-    stats.decode_ms = std::exchange(fit_decode_ms, 0) + watch.lap().wall_ms;
 
     // Merge runs to spans, and light them
     task.begin_stage(kPrepared, 2);
@@ -189,19 +183,21 @@ struct Renderer::Impl {
   /// Renders by ray casting: perspective projection or post-classification.
   [[nodiscard]] Result<void> render_rays(const FrameCall& call, Frame& frame) {
     const auto& [view, options, overrides, task] = call;
+    const std::uint64_t max_bytes = max_memory_bytes - frame_bytes(options);
     // Decode the selection
-    task.begin_stage(kDecoded);
+    SPLATLAS_ASSIGN_OR_RETURN(
+        const bool by_blocks,
+        decode_for(call, Axis::kZ, factorise(view.plane, atlas->grid()).voxel_pixels(),
+                   [&] { return rays.require_blocks(call.options, atlas, drawn, max_bytes, pool); }));
     Stopwatch watch;
-    SPLATLAS_RETURN_IF_ERROR(decode(Axis::kZ, options, parts_of(options)));
-    stats.decode_ms = std::exchange(fit_decode_ms, 0) + watch.lap().wall_ms;
 
     // Build the ray volume, and light it
-    stats.level = stats.surface_level = 0;
+    stats.level = by_blocks ? kMeanLevel : 0;
     stats.strips = false;
     task.begin_stage(kPrepared, 4);
-    if (!rays.fits(options)) spans.clear();
-    SPLATLAS_RETURN_IF_ERROR(
-        rays.require(options, *atlas, drawn, decoded.cache(), max_memory_bytes - frame_bytes(options), pool));
+    if (by_blocks || !rays.fits(options)) spans.clear();
+    if (!by_blocks)
+      SPLATLAS_RETURN_IF_ERROR(rays.require(options, *atlas, drawn, decoded.cache(), max_bytes, pool));
     stats.traversal = watch.lap();
     stats.select_ms += stats.traversal.wall_ms;
     const Lighting lighting(view.plane);
@@ -212,13 +208,33 @@ struct Renderer::Impl {
     // Rasterise surfaces, cast rays, resolve both into the picture
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache(), stats.surface_level);
     const FrameScene scene = scene_of(call, surfaces, lighting);
-    RayFrame stages(scene, rays.volume(), buffers, stats, pool);
+    const RayScene of_volume{rays.volume(), by_blocks ? *rays.blocks() : atlas->grid(), stats.level};
+    RayFrame stages(scene, of_volume, buffers, stats, pool);
     SPLATLAS_RETURN_IF_ERROR(run_stages(stages, kRayLoops, call, frame));
     stats.runs_visited = rays.volume().runs();
     stats.render_ms = light.wall_ms + watch.lap().wall_ms;
+    if (by_blocks) forget_frames();  // picks need the voxels
+    decoded.took(stats, options);
     return {};
   }
 
+  /// Decodes the selection for a frame. True if blocks of voxels, which require_blocks() reads, stand in for
+  /// its volume.
+  template <typename RequireBlocks>
+  [[nodiscard]] Result<bool> decode_for(const FrameCall& call, Axis axis, double voxel_pixels,
+                                        const RequireBlocks& require_blocks) {
+    const RenderOptions& options = call.options;
+    call.task.begin_stage(kDecoded);
+    Stopwatch watch;
+    stats.surface_level = decoded.surface_level(drawn.plan(), voxel_pixels, options, pool);
+    // Surfaces first: a damaged one leaves the plan, and blocks are those of a plan
+    const bool waits = decoded.waits_for_values(drawn.plan(), voxel_pixels, options, pool);
+    if (waits) SPLATLAS_RETURN_IF_ERROR(decode(axis, options, VoxelParts::kNone, stats.surface_level));
+    const bool by_blocks = waits && require_blocks();
+    if (!by_blocks) SPLATLAS_RETURN_IF_ERROR(decode(axis, options, parts_of(options), stats.surface_level));
+    stats.decode_ms = std::exchange(fit_decode_ms, 0) + watch.lap().wall_ms;
+    return by_blocks;
+  }
   [[nodiscard]] static VoxelParts parts_of(const RenderOptions& options) {
     return options.hybrid_shading ? VoxelParts::kNormals : VoxelParts::kValues;
   }
@@ -289,25 +305,9 @@ struct Renderer::Impl {
     return pick_structure(scene, x, y);
   }
 
-  /// The result of body(), the work of a public function, with the exceptions of its task as errors. Errors
-  /// other than kUsage, which are about options, name the atlas.
   template <typename Body>
-  [[nodiscard]] auto guarded(const Body& body) const -> decltype(body()) {
-    try {
-      auto result = body();
-      if (result || result.error().code == ErrorCode::kUsage || !result.error().subject.empty())
-        return result;
-      return named(result.error().code, result.error().message);
-    } catch (const OverBudget& over) {
-      return tl::unexpected(over.error());
-    } catch (const Cancelled&) {
-      return named(ErrorCode::kCancelled, "rendering was cancelled");
-    } catch (const std::bad_alloc&) {
-      return named(ErrorCode::kLimit, "out of memory; take a smaller size or select less");
-    }
-  }
-  [[nodiscard]] tl::unexpected<Error> named(ErrorCode code, const std::string& message) const {
-    return tl::unexpected(Error{code, atlas->name() + ": " + message, atlas->name()});
+  [[nodiscard]] auto guarded(const Body& body) const {
+    return as_errors_of(atlas->name(), body);
   }
 
   std::shared_ptr<const Atlas> atlas;

@@ -198,6 +198,25 @@ TEST(SurfaceInVolume, RaysOfDraftsEndAtTheClosedForm) {
   }
 }
 
+/// The same in perspective, where drafts without a budget have fragments.
+TEST(SurfaceInVolume, RaysInPerspectiveEndAsFragmentsDo) {
+  for (int step = -16; step <= 16 * kDepth; step += 6) {
+    const std::vector<Plane> planes{{step / 16.0, {255, 80, 20}, 1.0f, true}};
+    const AtlasContent content = fog_content(planes);
+    Renderer renderer = renderer_of(content, fog_selection(planes));
+    for (const double azimuth : {5.0, 175.0, -140.0}) {
+      FogView view(azimuth, 20, content, Quality::kDraft);
+      view.camera.projection = CameraProjection::kPerspective;
+      const Picture fragments = render_or_throw(renderer, view.camera, view.options);
+      view.options.draft_budget_ms = 1e9;
+      const Frame ended = frame_or_throw(renderer, view.camera, view.options);
+      EXPECT_TRUE(ended.stats.rays);
+      for (std::size_t n = 0; n < fragments.rgba.size(); ++n)
+        ASSERT_NEAR(ended.picture.rgba[n], fragments.rgba[n], 2e-6) << step << " " << azimuth;
+    }
+  }
+}
+
 /// Surfaces within means of voxels.
 TEST(SurfaceInVolume, PlanesInCoarseDraftsFollowTheClosedForm) {
   for (int step = -16; step <= 16 * kDepth; step += 4) {

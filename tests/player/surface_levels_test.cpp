@@ -58,12 +58,14 @@ int far_differences(const Picture& picture, const Picture& exact) {
 
 TEST(SurfaceLevels, SilhouettesOfZoomedOutDraftsAreExactWithinAPixel) {
   const AtlasContent content = two_halves();
-  for (const char* text :
-       {"left:surface + right:surface", "left:surface", "left:surface + right:volume(opacity=0.1)"}) {
+  for (std::size_t n = 0; n < 6; ++n) {
+    const char* const text = std::array{"left:surface + right:surface", "left:surface",
+                                        "left:surface + right:volume(opacity=0.1)"}[n % 3];
     for (const auto& [pixels_per_mm, level] : {std::pair(0.35, 2), {0.7, 1}}) {
       SCOPED_TRACE(text);
       Renderer renderer = renderer_of(content, selection_of(text, content.graph));
-      const Camera camera = camera_of(content, pixels_per_mm);
+      Camera camera = camera_of(content, pixels_per_mm);
+      if (n >= 3) camera.projection = CameraProjection::kPerspective;
       const Frame exact = frame_or_throw(renderer, camera, draft(0));
       const Frame coarse = frame_or_throw(renderer, camera, draft(kAmple));
       EXPECT_EQ(exact.stats.surface_level, 0);

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "format/result_macros.h"
-#include "player/render/frame/span_store.h"
 
 namespace splatlas {
 
@@ -50,7 +49,9 @@ bool DecodedSelection::waits_for_values(const DrawPlan& plan, double voxel_pixel
                                         const RenderOptions& options, const ThreadPool& pool) const {
   constexpr double kMsPerVoxel = 100e-6;  // to decode values and normals, on one thread
   constexpr double kMaxWaitMs = 500, kMaxPixels = 32;
-  if (!may_be_rough(options) || std::ldexp(voxel_pixels, kMeanLevel) > kMaxPixels) return false;
+  if (!may_be_rough(options) || options.classification == Classification::kAfter ||
+      std::ldexp(voxel_pixels, kMeanLevel) > kMaxPixels)
+    return false;
   double missing = 0;
   for (const ClassId c : volume_classes(plan)) {
     if (atlas_->has_means(c) && !cache_.has_values(c))

@@ -1,10 +1,12 @@
 #include "player/render/frame/frame_renderer.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
 #include "format/result_macros.h"
+#include "player/render/frame/draft_pace.h"
 #include "player/render/frame/stopwatch.h"
 #include "player/render/rays/cast_surfaces.h"
 
@@ -145,6 +147,10 @@ bool FrameRenderer::paints_surfaces() const {
          !cues_depth(options);
 }
 
+bool FrameRenderer::ends_at_surfaces() const {
+  return may_be_rough(scene_.options) && voxels() > 0 && !scene_.surfaces.empty() && all_opaque();
+}
+
 bool FrameRenderer::all_opaque() const {
   return std::ranges::all_of(scene_.surfaces, [](const SurfaceDraw& surface) { return surface.is_opaque(); });
 }
@@ -159,6 +165,18 @@ Result<void> FrameRenderer::rasterize(Picture& picture) {
                     ends_at_surfaces() ? &buffers_.surface_depths : nullptr, pool_));
   stats_.rasterize = watch.lap();
   return {};
+}
+
+void FrameRenderer::scale_depths(int level) {
+  if (level == 0) return;
+  const double scale = std::ldexp(1.0, -level);
+  const double shift = raster_->depth_sign * (scale - 1) / 2;
+  const auto scaled = [&](float depth) {
+    return static_cast<float>(scale * static_cast<double>(depth) + shift);
+  };
+  for (float& depth : buffers_.surface_depths) depth = scaled(depth);
+  for (Fragment& fragment : buffers_.fragments.fragments) fragment.depth = scaled(fragment.depth);
+  buffers_.has_fragments = false;
 }
 
 void FrameRenderer::measure_depths() {

@@ -108,7 +108,10 @@ class FrameRenderer {
   [[nodiscard]] bool paints_surfaces() const;
   [[nodiscard]] bool all_opaque() const;
   /// True if the frame needs no fragments because rays end at opaque surfaces.
-  [[nodiscard]] virtual bool ends_at_surfaces() const { return false; }
+  [[nodiscard]] bool ends_at_surfaces() const;
+  /// Converts the depths of surfaces to voxels of the volume's level. The fragments are no longer those of
+  /// the grid, for picks.
+  void scale_depths(int level);
   /// Voxels that contribute to the volume.
   [[nodiscard]] virtual std::uint64_t voxels() const = 0;
   /// Normal of the slices; none for rays.

@@ -35,10 +35,10 @@ CastOptions cast_options(const RenderOptions& options, const RenderOverrides& ov
 
 }  // namespace
 
-RayFrame::RayFrame(const FrameScene& scene, const RayVolume& volume, FrameBuffers& buffers,
+RayFrame::RayFrame(const FrameScene& scene, const RayScene& of_volume, FrameBuffers& buffers,
                    RenderStats& stats, ThreadPool& pool)
     : FrameRenderer(scene, buffers, stats, pool),
-      volume_(volume),
+      of_volume_(of_volume),
       kernels_(scene.overrides.simd ? best_march() : scalar_march()),
       options_(cast_options(scene.options, scene.overrides)) {}
 
@@ -51,16 +51,20 @@ Result<void> RayFrame::render_volume(Picture& picture) {
   options_.cuts = cuts();
   options_.faces = faces();
   if (scene_.options.ids) options_.ids = &buffers_.ids;
-  cast_rays(volume_, scene_.view, scene_.grid, options_, kernels_, picture, pool_);
-  stats_.voxels_visited = volume_.voxels();
+  scale_depths(of_volume_.level);
+  const RayEnds ends{buffers_.surface_depths, *raster_};
+  if (ends_at_surfaces()) options_.ends = &ends;
+  cast_rays(of_volume_.volume, scene_.view, of_volume_.grid, options_, kernels_, picture, pool_);
+  options_.ends = nullptr;
+  stats_.voxels_visited = of_volume_.volume.voxels();
   stats_.sheets = watch.lap();
   return {};
 }
 
 void RayFrame::resolve(Picture& picture) {
   Stopwatch watch;
-  cast_surfaces(volume_, scene_.view, scene_.grid, *raster_, buffers_.fragments, options_, kernels_, picture,
-                pool_);
+  cast_surfaces(of_volume_.volume, scene_.view, of_volume_.grid, *raster_, buffers_.fragments, options_,
+                kernels_, picture, pool_);
   stats_.resolve = watch.lap();
 }
 
@@ -76,7 +80,8 @@ void RayFrame::resolve_ids(const Picture& picture) {
 }
 
 void RayFrame::add_volume_depths(const ViewDepth& view_depth) {
-  add_ray_depths(volume_, scene_.view, scene_.grid, kernels_, cuts(), view_depth, buffers_.depths, pool_);
+  add_ray_depths(of_volume_.volume, scene_.view, scene_.grid, kernels_, cuts(), view_depth, buffers_.depths,
+                 pool_);
 }
 
 bool needs_rays(const View& view, const RenderOptions& options) {

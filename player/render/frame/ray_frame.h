@@ -8,10 +8,17 @@
 
 namespace splatlas {
 
-/// The volume must be lit, and outlive the frame.
+/// The volume of a frame by rays.
+struct RayScene {
+  const RayVolume& volume;  ///< lit
+  const Grid& grid;         ///< of the volume
+  int level = 0;            ///< of the grid: voxels, or blocks of 2^level voxels along each axis
+};
+
+/// The volume must outlive the frame.
 class RayFrame : public FrameRenderer {
  public:
-  RayFrame(const FrameScene& scene, const RayVolume& volume, FrameBuffers& buffers, RenderStats& stats,
+  RayFrame(const FrameScene& scene, const RayScene& of_volume, FrameBuffers& buffers, RenderStats& stats,
            ThreadPool& pool);
 
   [[nodiscard]] Result<void> render_volume(Picture& picture) override;
@@ -21,10 +28,10 @@ class RayFrame : public FrameRenderer {
  private:
   [[nodiscard]] Result<RasterScene> raster_scene_of_view() const override;
   void add_volume_depths(const ViewDepth& view_depth) override;
-  [[nodiscard]] std::uint64_t voxels() const override { return volume_.voxels(); }
+  [[nodiscard]] std::uint64_t voxels() const override { return of_volume_.volume.voxels(); }
   [[nodiscard]] std::optional<Axis> slice_axis() const override { return std::nullopt; }
 
-  const RayVolume& volume_;
+  RayScene of_volume_;
   const MarchKernels& kernels_;
   CastOptions options_;
 };

@@ -96,25 +96,6 @@ Result<RasterScene> SheetFrame::raster_scene_of_view() const {
   return raster_scene(scene_.surfaces, scene_.view.plane, volume_.shear, scene_.grid, scene_.lighting);
 }
 
-bool SheetFrame::ends_at_surfaces() const {
-  const RenderOptions& options = scene_.options;
-  return may_be_rough(options) && voxels() > 0 && !scene_.surfaces.empty() && all_opaque();
-}
-
-/// Converts the depths of surfaces to voxels of the volume's level. The fragments are no longer those of the
-/// grid, for picks.
-void SheetFrame::scale_depths() {
-  if (volume_.detail.level == 0) return;
-  const double scale = std::ldexp(1.0, -volume_.detail.level);
-  const double shift = raster_->depth_sign * (scale - 1) / 2;
-  const auto scaled = [&](float depth) {
-    return static_cast<float>(scale * static_cast<double>(depth) + shift);
-  };
-  for (float& depth : buffers_.surface_depths) depth = scaled(depth);
-  for (Fragment& fragment : buffers_.fragments.fragments) fragment.depth = scaled(fragment.depth);
-  buffers_.has_fragments = false;
-}
-
 Result<void> SheetFrame::render_volume(Picture& /*picture*/) {
   Stopwatch watch;
   const RenderOptions& options = scene_.options;
@@ -123,7 +104,7 @@ Result<void> SheetFrame::render_volume(Picture& /*picture*/) {
       choose_window(volume_, sampling_of(volume_, options.quality), options.size, planes()));
   const auto& [spans, runs, shear, grid, detail] = volume_;
   check_memory(bytes_of_sheet(window, spans.frame()));
-  scale_depths();
+  scale_depths(detail.level);
   buffers_.order.build(buffers_.fragments, shear, window, options.size, grid, pool_);
   const bool has_ends = ends_at_surfaces();
   if (has_ends)

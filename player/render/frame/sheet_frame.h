@@ -24,7 +24,6 @@ class SheetFrame : public FrameRenderer {
  private:
   [[nodiscard]] Result<RasterScene> raster_scene_of_view() const override;
   void add_volume_depths(const ViewDepth& view_depth) override;
-  [[nodiscard]] bool ends_at_surfaces() const override;
   [[nodiscard]] std::uint64_t voxels() const override { return volume_.spans.frame().voxels; }
   [[nodiscard]] std::optional<Axis> slice_axis() const override { return volume_.shear.principal; }
 
@@ -33,7 +32,6 @@ class SheetFrame : public FrameRenderer {
     return {buffers_.fragments, buffers_.order, cuts(), faces()};
   }
 
-  void scale_depths();
   void render_shares();
 
   const SheetVolume& volume_;

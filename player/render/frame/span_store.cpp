@@ -89,11 +89,6 @@ double stored_means(const SpanSource& source) {
 
 }  // namespace
 
-bool may_be_rough(const RenderOptions& options) {
-  return options.quality == Quality::kDraft && options.draft_budget_ms > 0 && options.cuts.empty() &&
-         !options.ids && !options.depths && options.depth_cue == DepthCue::kNone;
-}
-
 void AxisSpans::require(const SpanSource& source, SelectedRuns runs, ThreadPool& pool) {
   const auto& [plan, appearances, selection, atlas, cache, shade] = source;
   if (current(shade)) return;

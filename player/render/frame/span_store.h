@@ -37,9 +37,6 @@ struct SheetVolume {
   VolumeDetail detail;
 };
 
-/// True for drafts with a budget that need no exact depths.
-[[nodiscard]] bool may_be_rough(const RenderOptions& options);
-
 /// Spans of the current or an earlier selection, with the lighting of one view. Not thread-safe.
 class AxisSpans {
  public:

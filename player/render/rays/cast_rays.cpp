@@ -67,14 +67,30 @@ void store_ids(int left, int top, const RayShares& shares, const CastOptions& op
   }
 }
 
+/// Ends the rays of a block of pixels at surfaces.
+void end_rays(int left, int top, const RayEnds& ends, const Index3& first, RayPacket& packet) {
+  const auto& [depths, scene] = ends;
+  const std::size_t axis = scene.depth_axis;
+  for (int n = 0; n < kBlockSide * kBlockSide; ++n) {
+    const int x = std::min(left + n % kBlockSide, scene.size.width - 1);
+    const int y = std::min(top + n / kBlockSide, scene.size.height - 1);
+    const double depth = depths[static_cast<std::size_t>(y) * static_cast<std::size_t>(scene.size.width) +
+                                static_cast<std::size_t>(x)];
+    const auto ray = static_cast<std::size_t>(n);
+    const double place = scene.depth_sign * depth - static_cast<double>(first[axis]);
+    packet.to[ray] = std::min(packet.to[ray], t_at(packet, ray, axis, place));
+  }
+}
+
 /// Casts the rays of a block of pixels. `shares`: null without ids.
-void render_block(int left, int top, const PixelRays& rays, const MarchScene& scene,
+void render_block(int left, int top, const PixelRays& rays, const RayVolume& volume, const MarchScene& scene,
                   const CastOptions& options, const MarchKernels& kernels, RayShares* shares,
                   Picture& picture) {
   check_task();
   const RayPoints points = block_centers(left, top, picture.size);
   RayPacket packet = rays.through(points);
   if (options.cuts != nullptr) rays.clip(*options.cuts, points, packet);
+  if (options.ends != nullptr) end_rays(left, top, *options.ends, volume.first(), packet);
   RadiancePacket radiance;
   if (shares != nullptr) {
     shares->begin(packet);
@@ -94,7 +110,9 @@ void render_block(int left, int top, const PixelRays& rays, const MarchScene& sc
                         static_cast<std::size_t>(left))];
     for (int column = 0; column < columns; ++column) {
       const std::size_t n = static_cast<std::size_t>(row) * kBlockSide + static_cast<std::size_t>(column);
-      for (std::size_t c = 0; c < 4; ++c) *out++ = radiance.planes[c][n];
+      // Without ends, the picture is empty
+      const float transmittance = 1 - radiance.planes[3][n];
+      for (std::size_t c = 0; c < 4; ++c, ++out) *out = radiance.planes[c][n] + transmittance * *out;
     }
   }
 }
@@ -117,7 +135,7 @@ void cast_blocks(const RayVolume& volume, const View& view, const Grid& grid, co
     if (options.ids != nullptr) shares.emplace(volume);
     for (int y = top; y < bottom; y += kBlockSide) {
       for (int x = left; x < right; x += kBlockSide)
-        render_block(x, y, rays, scene, options, kernels, shares ? &*shares : nullptr, picture);
+        render_block(x, y, rays, volume, scene, options, kernels, shares ? &*shares : nullptr, picture);
     }
   });
 }
@@ -163,7 +181,9 @@ void cast_rays(const RayVolume& volume, const View& view, const Grid& grid, cons
                const MarchKernels& kernels, Picture& picture, ThreadPool& pool) {
   const PictureSize size = view.plane.size;
   picture.size = size;
-  picture.rgba.assign(4 * static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height), 0.0f);
+  if (options.ends == nullptr)
+    picture.rgba.assign(4 * static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height),
+                        0.0f);
   if (options.ids != nullptr) begin_ids(size, options.faces, *options.ids);
   if (!volume.empty()) cast_blocks(volume, view, grid, options, kernels, picture, pool);
   if (options.faces != nullptr) add_faces(*options.faces, picture, pool);

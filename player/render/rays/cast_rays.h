@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "format/tasks/thread_pool.h"
 #include "player/camera.h"
@@ -10,8 +11,15 @@
 #include "player/render/clip/face_layer.h"
 #include "player/render/rays/march_kernels.h"
 #include "player/render/rays/volume/ray_volume.h"
+#include "player/render/surfaces/raster_scene.h"
 
 namespace splatlas {
+
+/// Opaque surfaces at which rays end. The picture shows them.
+struct RayEnds {
+  std::span<const float> depths;  ///< by pixel, as those of fragments in the grid of the volume
+  const RasterScene& scene;       ///< of the surfaces
+};
 
 /// Sampling of rays.
 struct CastOptions {
@@ -22,6 +30,7 @@ struct CastOptions {
       std::nullopt;                  ///< forced, for measurements; by default the best axis of each ray
   const CutRays* cuts = nullptr;     ///< clips the volume; null: no cut
   const FaceLayer* faces = nullptr;  ///< of the cut, at pixel centres; null: none
+  const RayEnds* ends = nullptr;     ///< the volume is composited in front of the picture; null: none
   /// Numbers of the structures of the pixels, whatever their opacity; null: not asked for. The volume must
   /// have structure numbers.
   IdImage* ids = nullptr;

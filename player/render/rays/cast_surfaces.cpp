@@ -92,8 +92,7 @@ class SamplePacket {
 
   [[nodiscard]] float t_of(float depth, const RasterScene& scene, std::size_t n) const {
     const std::size_t axis = scene.depth_axis;
-    const double place = scene.depth_sign * depth - static_cast<double>(volume_.first()[axis]);
-    return static_cast<float>((place - packet_.origin[axis][n]) / packet_.step[axis][n]);
+    return t_at(packet_, n, axis, scene.depth_sign * depth - static_cast<double>(volume_.first()[axis]));
   }
 
   const RayVolume& volume_;

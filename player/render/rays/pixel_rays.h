@@ -31,6 +31,11 @@ static_assert(std::size_t{kBlockSide} * kBlockSide == kPacketRays);
 /// Principal axis of a ray of a packet.
 [[nodiscard]] std::size_t principal_axis_of(const RayPacket& rays, std::size_t n);
 
+/// The t at which a ray of a packet is at this place along an axis, counted from the packet's origin.
+[[nodiscard]] inline float t_at(const RayPacket& rays, std::size_t n, std::size_t axis, double place) {
+  return static_cast<float>((place - rays.origin[axis][n]) / rays.step[axis][n]);
+}
+
 /// Generator of ray packets. Thread-safe.
 class PixelRays {
  public:

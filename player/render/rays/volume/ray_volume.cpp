@@ -207,7 +207,7 @@ class RayVolume::Builder {
   template <typename Take>
   void for_each_piece(const Source& source, std::int64_t z, const Take& take) const {
     const std::int64_t slice = z + volume_.first_[2];
-    const Grid& grid = request_.atlas.grid();
+    const Grid& grid = request_.grid();
     request_.runs.for_each(slice, [&](const ClassRun& run, std::uint32_t draw) {
       if (!source.draws[draw]) return;
       take(Piece{run.start - volume_.first_[0], run.row - volume_.first_[1], run.length,
@@ -330,7 +330,11 @@ class RayVolume::Builder {
         appearance.look_up(request_.cache.values(), piece.voxel, 1, voxels.size(), voxels.data());
         const std::size_t first = kFour * place(piece.x, piece.y, z);
         for (std::int64_t n = 0; n < piece.length; ++n) {
-          const ClassifiedVoxel& voxel = voxels[static_cast<std::size_t>(n)];
+          const auto number = static_cast<std::size_t>(n);
+          ClassifiedVoxel& voxel = voxels[number];
+          if (request_.blocks != nullptr) {
+            voxel.extinction_per_mm *= request_.blocks->share(piece.voxel + number);
+          }
           if (voxel.extinction_per_mm <= 0) continue;
           const std::size_t at = first + kFour * static_cast<std::size_t>(n);
           const std::array<float, 3> emission = appearance.emission(voxel);
@@ -357,7 +361,7 @@ class RayVolume::Builder {
   void for_each_lit_slice(const Take& take) const {
     constexpr std::int64_t kAtOnce = 8;
     const std::int64_t slices = volume_.grid_.size[2];
-    VoxelLighters lighters(request_.runs, request_.cache, request_.atlas.grid(), request_.shade);
+    VoxelLighters lighters(request_.runs, request_.cache, request_.grid(), request_.shade);
     pool_.for_each(static_cast<std::size_t>((slices + kAtOnce - 1) / kAtOnce), [&](std::size_t part) {
       const std::int64_t first = static_cast<std::int64_t>(part) * kAtOnce;
       lighters.with([&](VoxelLighter& lighter) {

@@ -12,6 +12,7 @@
 #include "format/content/selection.h"
 #include "format/tasks/thread_pool.h"
 #include "player/picture.h"
+#include "player/render/decode/block_volume.h"
 #include "player/render/decode/class_cache.h"
 #include "player/render/decode/selected_runs.h"
 #include "player/render/decode/span_blocks.h"
@@ -34,6 +35,11 @@ struct RayVolumeRequest {
   Classification classification = Classification::kBefore;
   bool shade = false;  ///< prepare boundary voxels for shading by their normals
   std::uint64_t max_memory_bytes = 0;
+  /// Of the plan, runs and cache, which are then pre-classified blocks: their optical properties are those of
+  /// the shares that the selection fills. Null: voxels.
+  const BlockVolume* blocks = nullptr;
+
+  [[nodiscard]] const Grid& grid() const { return blocks != nullptr ? blocks->grid() : atlas.grid(); }
 };
 
 /// The sources of a selection. Classes with equal transfer functions share a source. Their grey values are

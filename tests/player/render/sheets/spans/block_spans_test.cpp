@@ -175,26 +175,31 @@ TEST(BlockSpans, StandInForVoxelsThatTakeLongToDecode) {
   const AtlasContent content = make_content(volume);
   const Bytes file = encode_atlas(content, {.level = 1}).value();
   const Selection selection = selection_of("it:volume(opacity=0.02)", content.graph);
-  const Camera camera{.azimuth_deg = 40, .elevation_deg = 20};
+  Camera camera{.azimuth_deg = 40, .elevation_deg = 20};
   RenderOptions options{.size = {200, 200}, .quality = Quality::kDraft, .draft_budget_ms = 33};
-  Renderer renderer(Atlas::open_bytes(file).value(), {.threads = 1});
-  ASSERT_TRUE(renderer.select(selection));
-  const Frame first = frame_or_throw(renderer, camera, options);
-  EXPECT_EQ(first.stats.level, 2);
-  EXPECT_LT(renderer.atlas().counters().decoded, 500'000u);
-  EXPECT_FALSE(first.picker(100, 100, {}));
-  options.draft_budget_ms = 0;
-  const Frame exact = frame_or_throw(renderer, camera, options);
-  EXPECT_EQ(exact.stats.level, 0);
-  EXPECT_GT(renderer.atlas().counters().decoded, 5'000'000u);
-  EXPECT_TRUE(exact.picker(100, 100, {}));
-  const auto [sum, x, y] = opacity_of(first.picture);
-  const auto [exact_sum, exact_x, exact_y] = opacity_of(exact.picture);
-  EXPECT_NEAR(sum / exact_sum, 1, 0.01);
-  EXPECT_NEAR(x, exact_x, 0.1);
-  EXPECT_NEAR(y, exact_y, 0.1);
-  options.draft_budget_ms = 33;  // the voxels are decoded now
-  EXPECT_LT(frame_or_throw(renderer, camera, options).stats.level, 2);
+  for (const auto projection : {CameraProjection::kPerspective, CameraProjection::kParallel}) {
+    camera.projection = projection;
+    options.draft_budget_ms = 33;
+    Renderer renderer(Atlas::open_bytes(file).value(), {.threads = 1});
+    ASSERT_TRUE(renderer.select(selection));
+    const Frame first = frame_or_throw(renderer, camera, options);
+    EXPECT_EQ(first.stats.rays, projection == CameraProjection::kPerspective);
+    EXPECT_EQ(first.stats.level, 2);
+    EXPECT_LT(renderer.atlas().counters().decoded, 500'000u);
+    EXPECT_FALSE(first.picker(100, 100, {}));
+    options.draft_budget_ms = 0;
+    const Frame exact = frame_or_throw(renderer, camera, options);
+    EXPECT_EQ(exact.stats.level, 0);
+    EXPECT_GT(renderer.atlas().counters().decoded, 5'000'000u);
+    EXPECT_TRUE(exact.picker(100, 100, {}));
+    const auto [sum, x, y] = opacity_of(first.picture);
+    const auto [exact_sum, exact_x, exact_y] = opacity_of(exact.picture);
+    EXPECT_NEAR(sum / exact_sum, 1, 0.01);
+    EXPECT_NEAR(x, exact_x, 0.1);
+    EXPECT_NEAR(y, exact_y, 0.1);
+    options.draft_budget_ms = 33;  // the voxels are decoded now
+    EXPECT_LT(frame_or_throw(renderer, camera, options).stats.level, 2);
+  }
 
   // Damaged means: voxels are drawn instead. A damaged surface does not affect the blocks
   const auto damaged = [&](SectionKind kind) {
@@ -214,9 +219,12 @@ TEST(BlockSpans, StandInForVoxelsThatTakeLongToDecode) {
   EXPECT_TRUE(voxels.missing.empty());
   Renderer without_surface(damaged(SectionKind::kSurfaces), {.threads = 1});
   ASSERT_TRUE(without_surface.select(selection_of("it:volume + ball:surface", content.graph)));
-  const Frame blocks = frame_or_throw(without_surface, camera, options);
-  EXPECT_EQ(blocks.stats.level, 2);
-  EXPECT_EQ(blocks.missing.size(), 1u);
+  for (const auto projection : {CameraProjection::kPerspective, CameraProjection::kParallel}) {
+    camera.projection = projection;
+    const Frame blocks = frame_or_throw(without_surface, camera, options);
+    EXPECT_EQ(blocks.stats.level, 2);
+    EXPECT_EQ(blocks.missing.size(), 1u);
+  }
 }
 
 }  // namespace
