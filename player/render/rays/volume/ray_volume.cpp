@@ -332,11 +332,9 @@ class RayVolume::Builder {
         for (std::int64_t n = 0; n < piece.length; ++n) {
           const auto number = static_cast<std::size_t>(n);
           ClassifiedVoxel& voxel = voxels[number];
-          if (request_.blocks != nullptr) {
-            voxel.extinction_per_mm *= request_.blocks->share(piece.voxel + number);
-          }
+          voxel.extinction_per_mm *= request_.share(piece.voxel + number);
           if (voxel.extinction_per_mm <= 0) continue;
-          const std::size_t at = first + kFour * static_cast<std::size_t>(n);
+          const std::size_t at = first + kFour * number;
           const std::array<float, 3> emission = appearance.emission(voxel);
           optics[at] = voxel.extinction_per_mm;
           std::copy(emission.begin(), emission.end(), optics + at + 1);

@@ -39,6 +39,8 @@ struct RayVolumeRequest {
   /// the shares that the selection fills. Null: voxels.
   const BlockVolume* blocks = nullptr;
 
+  /// Share of a voxel or block, in memory order of the grid, that the selection fills.
+  [[nodiscard]] float share(std::size_t n) const { return blocks != nullptr ? blocks->share(n) : 1; }
   [[nodiscard]] const Grid& grid() const { return blocks != nullptr ? blocks->grid() : atlas.grid(); }
 };
 
