@@ -217,6 +217,33 @@ TEST(Cuts, AntialiasFaces) {
 }
 
 /// Removed spans cost nothing.
+/// Drafts of opaque surfaces are painted, and have the picture of those that need fragments: for ids.
+TEST(Cuts, OfPaintedSurfacesHaveThePictureOfFragments) {
+  const AtlasContent content = phantom_content();
+  for (const char* text : {"Spheres:surface", "Sphere_1:surface + Sphere_2:surface(opacity=0.4)"}) {
+    Renderer renderer = renderer_of(content, selection_of(text, content.graph));
+    for (const auto projection : {CameraProjection::kParallel, CameraProjection::kPerspective}) {
+      const Camera camera{.azimuth_deg = 50, .elevation_deg = 25, .projection = projection};
+      RenderOptions options{.size = {90, 80}, .quality = Quality::kDraft};
+      options.cuts = cuts_of({{{0.3, -1, 0.2}, 1}, {{0.8, 0.8, 0}, 20}});
+      const Frame painted = frame_or_throw(renderer, camera, options);
+      options.ids = true;
+      const Frame fragments = frame_or_throw(renderer, camera, options);
+      int faces = 0;
+      for (std::size_t n = 0; n < painted.picture.rgba.size(); ++n) {
+        EXPECT_NEAR(painted.picture.rgba[n], fragments.picture.rgba[n], 1e-6) << text;
+        faces += painted.picture.rgba[n] != 0 ? 1 : 0;
+      }
+      EXPECT_GT(faces, 1000);
+      for (const double x : {30.5, 45.5, 60.5}) {
+        const auto pick = painted.pick(x, 40.5), expected = fragments.pick(x, 40.5);
+        ASSERT_EQ(pick.has_value(), expected.has_value()) << x;
+        EXPECT_EQ(pick.value_or(Pick{}).structure, expected.value_or(Pick{}).structure) << x;
+      }
+    }
+  }
+}
+
 TEST(Cuts, VisitOnlyKeptVoxels) {
   const AtlasContent content = phantom_content();
   Renderer renderer = renderer_of(content, selection_of("Spheres", content.graph));

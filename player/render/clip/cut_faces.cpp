@@ -183,4 +183,14 @@ void fill_faces(const ViewFaces& faces, const PictureSize& size, FaceLayer& laye
   });
 }
 
+void add_faces(const FaceLayer& layer, Picture& picture, ThreadPool& pool) {
+  constexpr std::size_t kRowsPerJob = 16;
+  const auto width = static_cast<std::size_t>(picture.size.width);
+  const auto height = static_cast<std::size_t>(picture.size.height);
+  pool.for_each((height + kRowsPerJob - 1) / kRowsPerJob, [&](std::size_t job) {
+    for (std::size_t row = job * kRowsPerJob; row < std::min(height, (job + 1) * kRowsPerJob); ++row)
+      layer.add_to_row(row, &picture.rgba[4 * row * width]);
+  });
+}
+
 }  // namespace splatlas

@@ -61,4 +61,7 @@ class ViewFaces {
 /// Replaces the layer by the faces at the pixel centres. Cost: linear in the pixels.
 void fill_faces(const ViewFaces& faces, const PictureSize& size, FaceLayer& layer, ThreadPool& pool);
 
+/// Composites the faces with the pixels, which show what is between them. Cost: linear in the pixels.
+void add_faces(const FaceLayer& layer, Picture& picture, ThreadPool& pool);
+
 }  // namespace splatlas

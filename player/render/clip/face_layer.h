@@ -51,6 +51,8 @@ struct FaceLayer {
   [[nodiscard]] RayFaces at(std::size_t pixel) const {
     return {front[pixel], back.empty() ? Face{} : back[pixel]};
   }
+  /// True if a face hides all else of a pixel.
+  [[nodiscard]] bool hides(std::size_t pixel) const { return front[pixel].rgba[3] >= 1; }
   /// Composites the faces of a row with the radiance between them (RGBA, the whole row).
   void add_to_row(std::size_t row, float* rgba) const {
     const std::size_t first = row * static_cast<std::size_t>(size.width);

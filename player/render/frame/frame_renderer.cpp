@@ -47,7 +47,8 @@ void find_sample_faces(const ViewFaces& faces, int width, FragmentList& list, Th
 }
 
 /// Rasterises surfaces, clipped by the frame's cut, and finds the faces of the cut. `painted`: the picture to
-/// paint in place of fragments, without faces, and its `depths`; null: none. Returns the number of triangles.
+/// paint in place of fragments, behind the faces, and its `depths`; null: none. Returns the number of
+/// triangles.
 Result<std::uint64_t> draw_surfaces(RasterScene scene, const ShownFrame& frame, const Grid& grid,
                                     FrameBuffers& buffers, Picture* painted, std::vector<float>* depths,
                                     ThreadPool& pool) {
@@ -56,18 +57,21 @@ Result<std::uint64_t> draw_surfaces(RasterScene scene, const ShownFrame& frame, 
   buffers.has_fragments = painted == nullptr;
   std::optional<CutRays> surface_cuts;
   if (!frame.cuts.empty()) scene.cuts = &surface_cuts.emplace(frame.cuts, frame.view, grid, kCutMargin);
+  const CutRays cuts(frame.cuts, frame.view, grid);
+  std::optional<ViewFaces> faces;
+  if (frame.faces != nullptr) {
+    faces.emplace(*frame.faces, cuts, frame.caps, frame.depth_axis, frame.depth_sign);
+    fill_faces(*faces, scene.size, buffers.faces, pool);
+  }
   if (painted != nullptr) {
     buffers.fragments.clear(scene.size);
     return buffers.rasterizer.paint(scene, frame.raster, *painted, depths, pool);
   }
-  if (frame.faces == nullptr) return buffers.rasterizer.draw(scene, frame.raster, buffers.fragments, pool);
-  const CutRays cuts(frame.cuts, frame.view, grid);
-  const ViewFaces faces(*frame.faces, cuts, frame.caps, frame.depth_axis, frame.depth_sign);
-  fill_faces(faces, scene.size, buffers.faces, pool);
+  if (!faces) return buffers.rasterizer.draw(scene, frame.raster, buffers.fragments, pool);
   scene.faces = &buffers.faces;
   SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t triangles,
                             buffers.rasterizer.draw(scene, frame.raster, buffers.fragments, pool));
-  find_sample_faces(faces, scene.size.width, buffers.fragments, pool);
+  find_sample_faces(*faces, scene.size.width, buffers.fragments, pool);
   return triangles;
 }
 
@@ -126,7 +130,10 @@ Result<void> FrameRenderer::run(std::size_t volume_loops, TaskControl& task, Pic
   stats_.sheets = stats_.resolve = stats_.ids = stats_.depth_cue = {};
   task.begin_stage(kRasterized, kRasterLoops);
   SPLATLAS_RETURN_IF_ERROR(rasterize(picture));
-  if (voxels() == 0 && paints_surfaces()) return {};
+  if (voxels() == 0 && paints_surfaces()) {
+    if (faces() != nullptr) add_faces(*faces(), picture, pool_);
+    return {};
+  }
   task.begin_stage(kVolumeDrawn, volume_loops);
   SPLATLAS_RETURN_IF_ERROR(render_volume(picture));
   task.begin_stage(kResolved, kResolveLoops);
@@ -139,12 +146,13 @@ Result<void> FrameRenderer::run(std::size_t volume_loops, TaskControl& task, Pic
 }
 
 /// True if no fragments are needed: without a volume, or with one whose rays end at opaque surfaces. Rays
-/// round the transmittance of translucent surfaces in another way.
+/// round the transmittance of translucent surfaces in another way. Faces need them for their samples at
+/// edges, which drafts do not have.
 bool FrameRenderer::paints_surfaces() const {
   const RenderOptions& options = scene_.options;
   const bool alone = voxels() == 0 && (slice_axis() || all_opaque());
-  return (alone || ends_at_surfaces()) && scene_.faces == nullptr && !options.ids && !options.depths &&
-         !cues_depth(options);
+  return (alone || ends_at_surfaces()) && (scene_.faces == nullptr || options.quality == Quality::kDraft) &&
+         !options.ids && !options.depths && !cues_depth(options);
 }
 
 bool FrameRenderer::ends_at_surfaces() const {

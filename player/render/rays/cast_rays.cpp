@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "format/tasks/task_control.h"
+#include "player/render/clip/cut_faces.h"
 #include "player/render/rays/pixel_rays.h"
 #include "player/render/rays/ray_shares.h"
 #include "player/render/view/view_frame.h"
@@ -67,17 +68,21 @@ void store_ids(int left, int top, const RayShares& shares, const CastOptions& op
   }
 }
 
-/// Ends the rays of a block of pixels at surfaces.
-void end_rays(int left, int top, const RayEnds& ends, const Index3& first, RayPacket& packet) {
-  const auto& [depths, scene] = ends;
-  const std::size_t axis = scene.depth_axis;
+/// Ends the rays of a block of pixels at surfaces, and those behind opaque faces where they begin.
+void end_rays(int left, int top, const PictureSize& size, const CastOptions& options, const Index3& first,
+              RayPacket& packet) {
   for (int n = 0; n < kBlockSide * kBlockSide; ++n) {
-    const int x = std::min(left + n % kBlockSide, scene.size.width - 1);
-    const int y = std::min(top + n / kBlockSide, scene.size.height - 1);
-    const double depth = depths[static_cast<std::size_t>(y) * static_cast<std::size_t>(scene.size.width) +
-                                static_cast<std::size_t>(x)];
+    const int x = std::min(left + n % kBlockSide, size.width - 1);
+    const int y = std::min(top + n / kBlockSide, size.height - 1);
+    const std::size_t pixel =
+        static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) + static_cast<std::size_t>(x);
     const auto ray = static_cast<std::size_t>(n);
-    const double place = scene.depth_sign * depth - static_cast<double>(first[axis]);
+    if (options.faces != nullptr && options.faces->hides(pixel)) packet.to[ray] = packet.from[ray];
+    if (options.ends == nullptr) continue;
+    const auto& [depths, scene] = *options.ends;
+    const std::size_t axis = scene.depth_axis;
+    const double place =
+        scene.depth_sign * static_cast<double>(depths[pixel]) - static_cast<double>(first[axis]);
     packet.to[ray] = std::min(packet.to[ray], t_at(packet, ray, axis, place));
   }
 }
@@ -90,7 +95,8 @@ void render_block(int left, int top, const PixelRays& rays, const RayVolume& vol
   const RayPoints points = block_centers(left, top, picture.size);
   RayPacket packet = rays.through(points);
   if (options.cuts != nullptr) rays.clip(*options.cuts, points, packet);
-  if (options.ends != nullptr) end_rays(left, top, *options.ends, volume.first(), packet);
+  if (options.ends != nullptr || options.faces != nullptr)
+    end_rays(left, top, picture.size, options, volume.first(), packet);
   RadiancePacket radiance;
   if (shares != nullptr) {
     shares->begin(packet);
@@ -137,17 +143,6 @@ void cast_blocks(const RayVolume& volume, const View& view, const Grid& grid, co
       for (int x = left; x < right; x += kBlockSide)
         render_block(x, y, rays, volume, scene, options, kernels, shares ? &*shares : nullptr, picture);
     }
-  });
-}
-
-/// Composites the faces of a cut with the pixels.
-void add_faces(const FaceLayer& faces, Picture& picture, ThreadPool& pool) {
-  constexpr std::size_t kRowsPerJob = 16;
-  const auto width = static_cast<std::size_t>(picture.size.width);
-  const auto height = static_cast<std::size_t>(picture.size.height);
-  pool.for_each((height + kRowsPerJob - 1) / kRowsPerJob, [&](std::size_t job) {
-    for (std::size_t row = job * kRowsPerJob; row < std::min(height, (job + 1) * kRowsPerJob); ++row)
-      faces.add_to_row(row, &picture.rgba[4 * row * width]);
   });
 }
 

@@ -45,6 +45,9 @@ class SamplePacket {
       shares_->begin(packet_);
       radiance_.trace = shares_->trace();
     }
+    for (std::size_t n = 0; n < count_; ++n) {
+      if (is_hidden(n)) packet_.to[n] = packet_.from[n];
+    }
     end_ = packet_.to;
     for (std::size_t n = count_; n < kPacketRays; ++n) end_[n] = packet_.from[n];
     std::size_t layers = 0;
@@ -70,7 +73,8 @@ class SamplePacket {
     auto to = packet_.from;
     for (std::size_t n = 0; n < count_; ++n) {
       const auto fragments = list_.of_sample(first_ + n);
-      if (layer < fragments.size()) to[n] = std::max(to[n], t_of(fragments[layer].depth, scene, n));
+      if (layer < fragments.size() && !is_hidden(n))
+        to[n] = std::max(to[n], t_of(fragments[layer].depth, scene, n));
     }
     march_to(to);
     for (std::size_t n = 0; n < count_; ++n) {
@@ -81,6 +85,11 @@ class SamplePacket {
       if (shares_ != nullptr) shares_->add_fragment(n, fragments[layer].structure, radiance_.planes[3][n]);
       if (fragments[layer].rgba[3] >= 1) end_[n] = packet_.from[n];  // opaque
     }
+  }
+
+  /// True behind an opaque face.
+  [[nodiscard]] bool is_hidden(std::size_t n) const {
+    return !list_.faces.empty() && list_.faces[first_ + n].front.rgba[3] >= 1;
   }
 
   void march_to(const std::array<float, kPacketRays>& to) {
