@@ -62,13 +62,13 @@ Result<std::uint64_t> draw_surfaces(RasterScene scene, const ShownFrame& frame, 
   if (frame.faces != nullptr) {
     faces.emplace(*frame.faces, cuts, frame.caps, frame.depth_axis, frame.depth_sign);
     fill_faces(*faces, scene.size, buffers.faces, pool);
+    scene.faces = &buffers.faces;
   }
   if (painted != nullptr) {
     buffers.fragments.clear(scene.size);
     return buffers.rasterizer.paint(scene, frame.raster, *painted, depths, pool);
   }
   if (!faces) return buffers.rasterizer.draw(scene, frame.raster, buffers.fragments, pool);
-  scene.faces = &buffers.faces;
   SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t triangles,
                             buffers.rasterizer.draw(scene, frame.raster, buffers.fragments, pool));
   find_sample_faces(*faces, scene.size.width, buffers.fragments, pool);

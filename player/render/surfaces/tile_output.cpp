@@ -105,7 +105,7 @@ void TileRasterizer::paint_opaque_row(std::int32_t y, const PaintedPicture& pict
   std::array<float, kStride> diffuse, highlight;
   std::size_t count = 0;
   for (std::size_t x = 0; x < columns; ++x) {
-    if (hiding_[first + x] == kNothingHidden) continue;
+    if (!has_nearest(first + x)) continue;
     const std::array<float, 3> normal = normal_of(nearest_[first + x]);
     for (std::size_t c = 0; c < 3; ++c) normals[c][count] = normal[c];
     covered[count++] = static_cast<std::uint32_t>(x);
@@ -160,7 +160,7 @@ Radiance TileRasterizer::finish_slot(std::uint32_t slot, const RayFaces& faces, 
       if (!is_behind_its_hull(scene_->surfaces[sorted_[n].surface])) pass(sorted_[n]);
     }
   }
-  if (hiding_[slot] < kNothingHidden && transmittance > termination_threshold) pass(nearest_[slot]);
+  if (has_nearest(slot) && transmittance > termination_threshold) pass(nearest_[slot]);
   pass_face(faces.back);
   return sum;
 }

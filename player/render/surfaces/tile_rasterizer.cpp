@@ -38,11 +38,24 @@ void TileRasterizer::begin(const RasterScene& scene, const PixelBox& tile) {
   // Nothing is seen outside the picture
   const auto columns = static_cast<std::uint32_t>(tile.x_last - tile.x_first + 1);
   const auto rows = static_cast<std::uint32_t>(tile.y_last - tile.y_first + 1);
-  if (columns == kStride && rows == kStride) return;
   for (std::uint32_t y = 0; y < kStride; ++y) {
     const auto row = hiding_.begin() + std::ptrdiff_t{y} * kStride;
     std::fill(row + (y < rows ? columns : 0), row + kStride, -kNothingHidden);
   }
+  if (scene.faces != nullptr) hide_behind_faces(columns, rows);
+}
+
+/// Nothing is seen behind opaque faces.
+void TileRasterizer::hide_behind_faces(std::uint32_t columns, std::uint32_t rows) {
+  const auto width = static_cast<std::size_t>(scene_->size.width);
+  for (std::uint32_t y = 0; y < rows; ++y) {
+    const std::size_t first =
+        (static_cast<std::size_t>(tile_.y_first) + y) * width + static_cast<std::size_t>(tile_.x_first);
+    for (std::uint32_t x = 0; x < columns; ++x) {
+      if (scene_->faces->hides(first + x)) hiding_[std::size_t{y} * kStride + x] = -kNothingHidden;
+    }
+  }
+  for (std::uint32_t block = 0; block < block_hiding_.size(); ++block) renew_block(block);
 }
 
 void TileRasterizer::begin_edges(const RasterScene& scene, const PixelBox& tile,
@@ -223,7 +236,7 @@ inline __attribute__((always_inline)) void TileRasterizer::hit(const ScreenTrian
                     .depth = static_cast<float>(depth),
                     .surface = current.surface,
                     .triangle = current.triangle};
-  if (hiding_[slot] < kNothingHidden && !in_front(crossing, nearest_[slot])) return;
+  if (has_nearest(slot) && !in_front(crossing, nearest_[slot])) return;
 
   std::array<float, 3> weight = t.weights(edges);
   attributes.correct(weight);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -105,6 +106,9 @@ class TileRasterizer {
   void hit(const ScreenTriangle& t, const EdgeWalk::Edges& edges, double x, double y, std::uint32_t slot,
            Current& current);
   /// Depths by pixel, kStride per row, behind which nothing is seen; pixels without slots see nothing.
+  void hide_behind_faces(std::uint32_t columns, std::uint32_t rows);
+  /// True if an opaque surface is seen.
+  [[nodiscard]] bool has_nearest(std::size_t slot) const { return std::abs(hiding_[slot]) < kNothingHidden; }
   [[nodiscard]] const float* hiding_of_pixels() const {
     return pixel_hiding_.empty() ? hiding_.data() : pixel_hiding_.data();
   }
