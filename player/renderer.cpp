@@ -184,18 +184,18 @@ struct Renderer::Impl {
   [[nodiscard]] Result<void> render_rays(const FrameCall& call, Frame& frame) {
     const auto& [view, options, overrides, task] = call;
     const std::uint64_t max_bytes = max_memory_bytes - frame_bytes(options);
+    if (!rays.fits(options)) spans.clear();
     // Decode the selection
-    SPLATLAS_ASSIGN_OR_RETURN(
-        const bool by_blocks,
-        decode_for(call, Axis::kZ, factorise(view.plane, atlas->grid()).voxel_pixels(),
-                   [&] { return rays.require_blocks(call.options, atlas, drawn, max_bytes, pool); }));
+    SPLATLAS_ASSIGN_OR_RETURN(const bool by_blocks,
+                              decode_for(call, Axis::kZ, voxel_pixels_of(view, atlas->grid()), [&] {
+                                return rays.require_blocks(call.options, atlas, drawn, max_bytes, pool);
+                              }));
     Stopwatch watch;
 
     // Build the ray volume, and light it
     stats.level = by_blocks ? kMeanLevel : 0;
     stats.strips = false;
     task.begin_stage(kPrepared, 4);
-    if (by_blocks || !rays.fits(options)) spans.clear();
     if (!by_blocks)
       SPLATLAS_RETURN_IF_ERROR(rays.require(options, *atlas, drawn, decoded.cache(), max_bytes, pool));
     stats.traversal = watch.lap();

@@ -18,7 +18,7 @@ check() {
   fi
 }
 
-check product 62200 format preprocess player schemas
-check tests 49770 tests
+check product 62280 format preprocess player schemas
+check tests 49840 tests
 check bench 8510 bench
 exit "$bad"

@@ -14,6 +14,10 @@ enum class SurfaceRule : std::uint32_t {
   kSmooth = 256  ///< smoothing 1: vertices moved along their voxel edges, triangles of vtkMarchingCubes
 };
 
+/// Position scale of stored surfaces that were smoothed across thick slices. Their structures' voxels have
+/// the coarse levels of derived surfaces.
+inline constexpr std::uint32_t kThickSliceScale = 128;
+
 /// Maximum size of a grid along each axis for SurfaceRule::kSmooth: positions are exact in single precision.
 inline constexpr std::int64_t kMaxSmoothSize = 65535;
 /// The rule, or kVoxels instead of kSmooth in a grid that is too large.

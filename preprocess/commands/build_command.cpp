@@ -170,9 +170,10 @@ CLI::App* add_build(CLI::App& app, BuildRequest& request) {
   build->add_option("--report", request.report, "also write all notes to FILE.html")->check(names_a_file());
   build->add_option("--json", request.json, "also write all notes to FILE.json")->check(names_a_file());
   build->add_flag("--compact", options.compact, "leave out data that a player derives in milliseconds");
-  add_surfaces(*build, options.surfaces,
-               "surfaces of structures; smooth ones stay within half a voxel, along its longest side, of the "
-               "labels' border");
+  add_surfaces(
+      *build, options.surfaces,
+      "surfaces of structures; smooth ones stay within about half a voxel of the labels' border, along "
+      "its longest side");
   build->add_option("--level", options.level, "Zstandard level, 1 (fast) to 22 (small)")
       ->check(CLI::Range(1, 22).description(""))
       ->capture_default_str();

@@ -119,6 +119,9 @@ Result<ExtractedSurfaces> extract_surfaces(const Classification& classification,
                                      result.boundary_normals);
   const auto structures = structures_to_extract(classification.classes, structure_classes, graph);
 
+  const bool smooths_across = smooths_across_slices(rule_for(options.rule, storage_grid.size), storage_grid);
+  const double extraction = smooths_across ? 0.4 : 1;  // share of the time
+
   initialize_vtk();
   std::vector<Result<StructureExtractor::Extracted>> extracted(structures.size());
   parallel_for(
@@ -126,7 +129,7 @@ Result<ExtractedSurfaces> extract_surfaces(const Classification& classification,
       [&](std::size_t n) { extracted[n] = extractor.extract(structures[n].first, structures[n].second); },
       [&](std::size_t done) {
         if (options.progress)
-          options.progress(static_cast<double>(done) / static_cast<double>(structures.size()));
+          options.progress(extraction * static_cast<double>(done) / static_cast<double>(structures.size()));
       });
   for (std::size_t n = 0; n < structures.size(); ++n) {
     const StructureIndex structure = structures[n].first;
@@ -140,13 +143,15 @@ Result<ExtractedSurfaces> extract_surfaces(const Classification& classification,
   }
 
   // Smooth those of labels across thick slices
-  if (!smooths_across_slices(rule_for(options.rule, storage_grid.size), storage_grid)) return result;
+  if (!smooths_across) return result;
   std::vector<SurfaceMesh*> of_labels;
   for (StructureIndex s = 0; s < graph.size(); ++s) {
     if (std::ranges::find(options.isosurfaces, s, &Isosurface::structure) == options.isosurfaces.end())
       of_labels.push_back(&result.surfaces[s]);
   }
-  smooth_across_slices(of_labels, storage_grid, options.threads);
+  smooth_across_slices(of_labels, storage_grid, options.threads, [&](double done) {
+    if (options.progress) options.progress(extraction + (1 - extraction) * done);
+  });
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "format/tasks/thread_pool.h"
@@ -60,48 +61,109 @@ std::uint64_t edge_number(const Vec3f& position, const Grid& grid) {
   return 3 * number + axis;
 }
 
-/// The surfaces of all structures on common vertices. Each structure has its own corners there.
+/// The surfaces of all structures. Each has its own corners, which begin as vertices of their own.
 class JointSurfaces {
  public:
   JointSurfaces(std::span<SurfaceMesh* const> meshes, const Grid& grid, unsigned threads)
       : meshes_(meshes), size_(grid.size), to_index_(lps_mm_to_index(grid)), pool_(threads) {
-    number_vertices(grid);
-    std::uint32_t first = 0;
+    // Where normals turn from corner to corner, structures are as thin as voxels, and no plane is known.
+    constexpr float kNone = 0.8f, kWhole = 0.9f;
+    std::size_t vertices = 0, triangles = 0;
     for (const SurfaceMesh* mesh : meshes_) {
+      vertices += mesh->positions_ijk.size();
+      triangles += mesh->triangles.size();
+    }
+    vertex_of_.reserve(vertices);
+    edges_.reserve(vertices);
+    origins_.reserve(vertices);
+    triangles_.reserve(triangles);
+    facing_.reserve(triangles);
+    trust_.reserve(triangles);
+    const Affine to_lps = index_to_lps_mm(grid);
+    for (const SurfaceMesh* mesh : meshes_) {
+      const auto first = static_cast<std::uint32_t>(vertex_of_.size());
       for (const auto& [a, b, c] : mesh->triangles) {
         const std::vector<Vec3f>& normals = mesh->normals_lps;
         const Vec3f sum = normals[a] + normals[b] + normals[c];
         facing_.push_back(unit(sum, normals[a]));
-        agreement_.push_back(std::sqrt(dot(sum, sum)) / 3);
-        triangles_.push_back({vertex_of_[first + a], vertex_of_[first + b], vertex_of_[first + c]});
+        trust_.push_back(std::clamp((std::sqrt(dot(sum, sum)) / 3 - kNone) / (kWhole - kNone), 0.0f, 1.0f));
+        triangles_.push_back({first + a, first + b, first + c});
       }
-      first += static_cast<std::uint32_t>(mesh->positions_ijk.size());
+      for (const Vec3f& ijk : mesh->positions_ijk) {
+        const Vec3 mm = to_lps.apply_linear({ijk[0], ijk[1], ijk[2]});  // the offset may be far
+        vertex_of_.push_back(static_cast<std::uint32_t>(vertex_of_.size()));
+        edges_.push_back(edge_number(ijk, grid));
+        origins_.push_back({static_cast<float>(mm[0]), static_cast<float>(mm[1]), static_cast<float>(mm[2])});
+      }
     }
+    positions_ = origins_;
   }
 
-  /// Moves all vertices towards the planes of the triangles around them, at most `reach_mm` in all.
-  void fit(int steps, float reach_mm) {
-    const Places uses(positions_.size(), std::span(triangles_.front().data(), 3 * triangles_.size()));
+  /// Moves all vertices towards the planes of the triangles around them, at most `reach_mm` in all. Calls
+  /// report(n) behind step n.
+  template <typename Report>
+  void fit(int steps, float reach_mm, const Report& report) {
+    std::vector<std::uint32_t> uses_of;
+    uses_of.reserve(3 * triangles_.size());
+    for (const auto& corners : triangles_) {
+      for (const std::uint32_t corner : corners) uses_of.push_back(vertex_of_[corner]);
+    }
+    const Places uses(positions_.size(), uses_of);
     std::vector<Vec3f> centres(triangles_.size()), moved(positions_.size());
-    const std::vector<float> reach = reaches(uses, reach_mm);
     for (int step = 0; step < steps; ++step) {
       for_each(triangles_.size(), [&](std::size_t t) {
         const auto& [a, b, c] = triangles_[t];
-        centres[t] = (1.0f / 3) * (positions_[a] + positions_[b] + positions_[c]);
+        centres[t] = (1.0f / 3) * (at(a) + at(b) + at(c));
       });
       for_each(positions_.size(), [&](std::size_t v) {
         Vec3f sum{0, 0, 0};
+        float trust = 0;
         for (const std::uint32_t use : uses.of(v)) {
           const Vec3f& n = facing_[use / 3];
-          sum = sum + dot(n, centres[use / 3] - positions_[v]) * n;
+          sum = sum + trust_[use / 3] * dot(n, centres[use / 3] - positions_[v]) * n;
+          trust += trust_[use / 3];
         }
-        const auto count = static_cast<float>(uses.of(v).size());
-        const Vec3f way = positions_[v] + (1 / count) * sum - origins_[v];
+        const Vec3f way = positions_[v] + (1 / std::max(trust, 1e-6f)) * sum - origins_[v];
+        const float reach = reach_mm * trust / static_cast<float>(uses.of(v).size());
         const float length = std::sqrt(dot(way, way));
-        moved[v] = origins_[v] + std::min(1.0f, reach[v] / length) * way;
+        moved[v] = length <= reach ? origins_[v] + way : origins_[v] + (reach / length) * way;
       });
       positions_.swap(moved);
+      report(step + 1);
     }
+  }
+
+  /// Joins the corners of a voxel edge that are at most `within_mm` from their mean. Structures that meet on
+  /// a ledge between two slices alone have parted.
+  void join(float within_mm) {
+    std::vector<std::uint32_t> order(vertex_of_);
+    std::ranges::sort(order, [&](std::uint32_t a, std::uint32_t b) {
+      return std::pair(edges_[a], a) < std::pair(edges_[b], b);
+    });
+    std::vector<Vec3f> positions, origins;
+    std::vector<float> corners;
+    std::size_t first = 0;  // vertex of the edge
+    for (std::size_t n = 0; n < order.size(); ++n) {
+      const std::uint32_t corner = order[n];
+      if (n > 0 && edges_[order[n - 1]] != edges_[corner]) first = positions.size();
+      std::size_t v = first;
+      const auto is_far = [&] {
+        const Vec3f way = positions_[corner] - positions[v];
+        return dot(way, way) > within_mm * within_mm;
+      };
+      while (v < positions.size() && is_far()) ++v;
+      if (v == positions.size()) {
+        positions.push_back({0, 0, 0});
+        origins.push_back({0, 0, 0});
+        corners.push_back(0);
+      }
+      const float share = 1 / ++corners[v];
+      positions[v] = positions[v] + share * (positions_[corner] - positions[v]);
+      origins[v] = origins[v] + share * (origins_[corner] - origins[v]);
+      vertex_of_[corner] = static_cast<std::uint32_t>(v);
+    }
+    positions_ = std::move(positions);
+    origins_ = std::move(origins);
   }
 
   /// Replaces the positions of the meshes.
@@ -110,8 +172,8 @@ class JointSurfaces {
     std::size_t corner = 0;
     for (SurfaceMesh* mesh : meshes_) {
       for (Vec3f& ijk : mesh->positions_ijk) {
-        const auto& [x, y, z] = positions_[vertex_of_[corner++]];
-        const Vec3 index = to_index_.apply({x, y, z});
+        const auto& [x, y, z] = at(corner++);
+        const Vec3 index = to_index_.apply_linear({x, y, z});
         for (std::size_t a = 0; a < 3; ++a) {
           const double within = std::clamp(index[a], -1.0, static_cast<double>(size_[a]));
           ijk[a] = static_cast<float>(std::round(within * kScale) / kScale);
@@ -122,47 +184,7 @@ class JointSurfaces {
   }
 
  private:
-  /// Vertices begin at the mean of their corners.
-  void number_vertices(const Grid& grid) {
-    std::vector<std::uint64_t> edges;
-    for (const SurfaceMesh* mesh : meshes_) {
-      for (const Vec3f& position : mesh->positions_ijk) edges.push_back(edge_number(position, grid));
-    }
-    std::vector<std::uint64_t> sorted = edges;
-    std::ranges::sort(sorted);
-    sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
-    for (const std::uint64_t edge : edges)
-      vertex_of_.push_back(
-          static_cast<std::uint32_t>(std::ranges::lower_bound(sorted, edge) - sorted.begin()));
-    const Affine to_lps = index_to_lps_mm(grid);
-    std::vector<float> corners(sorted.size(), 0);
-    positions_.assign(sorted.size(), {0, 0, 0});
-    std::size_t corner = 0;
-    for (const SurfaceMesh* mesh : meshes_) {
-      for (const Vec3f& ijk : mesh->positions_ijk) {
-        const std::uint32_t v = vertex_of_[corner++];
-        const Vec3 mm = to_lps.apply({ijk[0], ijk[1], ijk[2]});
-        for (std::size_t a = 0; a < 3; ++a) positions_[v][a] += static_cast<float>(mm[a]);
-        ++corners[v];
-      }
-    }
-    for (std::size_t v = 0; v < positions_.size(); ++v) positions_[v] = (1 / corners[v]) * positions_[v];
-    origins_ = positions_;
-  }
-
-  /// [vertex]: how far it may move. Where normals turn from corner to corner, structures are as thin as
-  /// voxels, and no plane is known.
-  [[nodiscard]] std::vector<float> reaches(const Places& uses, float reach_mm) {
-    constexpr float kNone = 0.8f, kWhole = 0.9f;
-    std::vector<float> reach(positions_.size());
-    for_each(positions_.size(), [&](std::size_t v) {
-      float sum = 0;
-      for (const std::uint32_t use : uses.of(v)) sum += agreement_[use / 3];
-      const float mean = sum / static_cast<float>(uses.of(v).size());
-      reach[v] = reach_mm * std::clamp((mean - kNone) / (kWhole - kNone), 0.0f, 1.0f);
-    });
-    return reach;
-  }
+  [[nodiscard]] const Vec3f& at(std::size_t corner) const { return positions_[vertex_of_[corner]]; }
 
   template <typename Body>
   void for_each(std::size_t count, const Body& body) {
@@ -177,11 +199,12 @@ class JointSurfaces {
   Index3 size_;
   Affine to_index_;
   ThreadPool pool_;
-  std::vector<Vec3f> positions_, origins_;               // of vertices, LPS mm: now, and before
+  std::vector<std::uint64_t> edges_;                     // [corner]: its voxel edge
   std::vector<std::uint32_t> vertex_of_;                 // [corner]
-  std::vector<std::array<std::uint32_t, 3>> triangles_;  // of vertices
+  std::vector<Vec3f> positions_, origins_;               // of vertices, mm from voxel (0, 0, 0): now, before
+  std::vector<std::array<std::uint32_t, 3>> triangles_;  // of corners
   std::vector<Vec3f> facing_;                            // [triangle]: mean of the normals at its corners
-  std::vector<float> agreement_;                         // [triangle]: length of that mean
+  std::vector<float> trust_;                             // [triangle]: 0 to 1, by the length of that mean
 };
 
 }  // namespace
@@ -191,11 +214,22 @@ bool has_thick_slices(const Grid& grid) {
   return thick > 2 * thin;
 }
 
-void smooth_across_slices(std::span<SurfaceMesh* const> meshes, const Grid& grid, unsigned threads) {
-  constexpr int kSteps = 30;
+void smooth_across_slices(std::span<SurfaceMesh* const> meshes, const Grid& grid, unsigned threads,
+                          const std::function<void(double)>& progress) {
+  constexpr int kOwnSteps = 20, kJointSteps = 10;
+  constexpr float kNear = 1.5f;  // shortest sides of a voxel
   if (std::ranges::all_of(meshes, [](const SurfaceMesh* mesh) { return mesh->empty(); })) return;
+  const auto [thin, thick] = std::ranges::minmax(grid.spacing_mm);
+  const auto reach_mm = static_cast<float>(thick / 2);
   JointSurfaces surfaces(meshes, grid, threads);
-  surfaces.fit(kSteps, static_cast<float>(std::ranges::max(grid.spacing_mm) / 2));
+  const auto fit = [&](int first, int last) {
+    surfaces.fit(last - first, reach_mm, [&](int step) {
+      if (progress) progress(static_cast<double>(first + step) / (kOwnSteps + kJointSteps));
+    });
+  };
+  fit(0, kOwnSteps);
+  surfaces.join(kNear * static_cast<float>(thin));
+  fit(kOwnSteps, kOwnSteps + kJointSteps);
   surfaces.store();
 }
 

@@ -116,7 +116,8 @@ Result<std::vector<PackedNormal>> Atlas::Impl::fit_normals_of(ClassId c) const {
 bool Atlas::has_levels(StructureIndex s) const {
   const SurfaceEntry& entry = impl_->directory.surfaces[s];
   const IndexBox box = box_of(classes(), impl_->structure_classes.of(s));
-  return is_fitted(entry) && !box.empty() && !fits_sparsely(box, entry.vertices);
+  const bool follows_voxels = is_fitted(entry) || entry.position_scale == kThickSliceScale;
+  return follows_voxels && !box.empty() && !fits_sparsely(box, entry.vertices);
 }
 
 Result<SurfaceMesh> Atlas::read_surface(StructureIndex s, int level) const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "player/render/contributions/pixel_shares.h"
@@ -82,6 +83,25 @@ void RayFrame::resolve_ids(const Picture& picture) {
 void RayFrame::add_volume_depths(const ViewDepth& view_depth) {
   add_ray_depths(of_volume_.volume, scene_.view, scene_.grid, kernels_, cuts(), view_depth, buffers_.depths,
                  pool_);
+}
+
+double voxel_pixels_of(const View& view, const Grid& grid) {
+  const double in_plane = factorise(view.plane, grid).voxel_pixels();
+  if (!view.eye_mm) return in_plane;
+  const Affine to_lps = index_to_lps_mm(grid);
+  double nearest = *view.eye_mm;
+  for (int n = 0; n < 8; ++n) {
+    Vec3 corner;
+    for (std::size_t a = 0; a < 3; ++a)
+      corner[a] = (n >> a & 1) != 0 ? static_cast<double>(grid.size[a] - 1) : 0;
+    const Vec3 at = to_lps.apply(corner);
+    const Vec3& center = view.plane.center_lps_mm;
+    nearest =
+        std::min(nearest, *view.eye_mm + dot(view.plane.forward_lps,
+                                             {at[0] - center[0], at[1] - center[1], at[2] - center[2]}));
+  }
+  if (nearest <= 0) return std::numeric_limits<double>::infinity();
+  return in_plane * std::max(1.0, 0.5 * *view.eye_mm / nearest);
 }
 
 bool needs_rays(const View& view, const RenderOptions& options) {

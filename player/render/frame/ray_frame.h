@@ -36,6 +36,10 @@ class RayFrame : public FrameRenderer {
   CastOptions options_;
 };
 
+/// Width of a voxel in picture pixels, for the choice of levels: in the plane of the centre, but at least
+/// half of that at the corner of the grid nearest to the eye; infinite if the grid reaches behind the eye.
+[[nodiscard]] double voxel_pixels_of(const View& view, const Grid& grid);
+
 /// True for pictures that sheets cannot draw.
 [[nodiscard]] bool needs_rays(const View& view, const RenderOptions& options);
 /// True for pictures of volumes that are better by rays. Rays alias where pixels are coarser than voxels, and

@@ -17,17 +17,19 @@ using testing::Not;
 
 class ExportSurfaces : public BuildAtlas {
  protected:
-  static Image image_of(const std::vector<std::uint8_t>& voxels) {
+  static Image image_of(const std::vector<std::uint8_t>& voxels, const Vec3& spacing_mm = {1, 0.5, 0.8}) {
     Image image;
-    image.grid = {.size = {phantom::kSize, phantom::kSize, phantom::kSize}, .spacing_mm = {1, 0.5, 0.8}};
+    image.grid = {.size = {phantom::kSize, phantom::kSize, phantom::kSize}, .spacing_mm = spacing_mm};
     image.voxels.type = VoxelType::kUInt8;
     const auto bytes = std::as_bytes(std::span(voxels));
     image.voxels.bytes.assign(bytes.begin(), bytes.end());
     return image;
   }
   /// Builds the phantom.
-  std::string build_phantom(SurfaceRule rule, const std::string& name) const {
-    BuildOptions options = this->options(image_of(phantom::labels()), image_of(phantom::values()));
+  std::string build_phantom(SurfaceRule rule, const std::string& name,
+                            const Vec3& spacing_mm = {1, 0.5, 0.8}) const {
+    BuildOptions options =
+        this->options(image_of(phantom::labels(), spacing_mm), image_of(phantom::values(), spacing_mm));
     options.surfaces = rule;
     options.output = file(name);
     const Result<BuildReport> report = build_atlas(options);
@@ -98,6 +100,23 @@ TEST_F(ExportSurfaces, HaveTheGeometryThatPlayersDraw) {
     EXPECT_EQ(plain, export_surface(voxels, "same" + ending, SurfaceChoice::kAsInFile));
     EXPECT_EQ(bytes, export_surface(voxels, "again" + ending, SurfaceChoice::kSmooth));
   }
+}
+
+/// Files store the surfaces of thick slices; readers have their coarse levels.
+TEST_F(ExportSurfaces, OfThickSlicesAreThoseOfTheFile) {
+  const std::string thick = build_phantom(SurfaceRule::kSmooth, "thick.atlas", {1, 1, 3});
+  const auto atlas = Atlas::open(thick).value();
+  EXPECT_TRUE(atlas->verify());
+  const SurfaceMesh stored = surface_of(thick, SurfaceChoice::kAsInFile);
+  EXPECT_EQ(stored.position_scale, kThickSliceScale);
+  EXPECT_EQ(stored.triangles.size(), 3704u);
+  EXPECT_EQ(surface_of(thick, SurfaceChoice::kVoxels), stored);
+  ASSERT_TRUE(atlas->has_levels(0));
+  EXPECT_LT(atlas->read_surface(0, 1)->triangles.size(), stored.triangles.size() / 3);
+  EXPECT_FALSE(export_surface(thick, "thick.ply", SurfaceChoice::kAsInFile).empty());
+  const auto back = import_mesh(file("thick.ply"), MeshFrame::kLps);
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(back->triangles.size(), stored.triangles.size());
 }
 
 }  // namespace

@@ -201,6 +201,23 @@ TEST(BlockSpans, StandInForVoxelsThatTakeLongToDecode) {
     EXPECT_LT(frame_or_throw(renderer, camera, options).stats.level, 2);
   }
 
+  // A surface within blocks in perspective: its depths are in blocks
+  camera.projection = CameraProjection::kPerspective;
+  for (const char* text :
+       {"it:volume(opacity=0.02) + ball:surface", "it:volume(opacity=0.02) + ball:surface(opacity=0.5)"}) {
+    Renderer renderer(Atlas::open_bytes(file).value(), {.threads = 1});
+    ASSERT_TRUE(renderer.select(selection_of(text, content.graph)));
+    options.draft_budget_ms = 33;
+    const Frame blocks = frame_or_throw(renderer, camera, options);
+    EXPECT_EQ(blocks.stats.level, 2);
+    options.draft_budget_ms = 0;
+    const Frame exact = frame_or_throw(renderer, camera, options);
+    const auto in_blocks = blocks.picture.at(100, 100), in_voxels = exact.picture.at(100, 100);
+    for (std::size_t c = 0; c < 4; ++c) EXPECT_NEAR(in_blocks[c], in_voxels[c], 0.02) << text;
+    EXPECT_NEAR(opacity_of(blocks.picture)[0] / opacity_of(exact.picture)[0], 1, 0.01);
+  }
+  options.draft_budget_ms = 33;
+
   // Damaged means: voxels are drawn instead. A damaged surface does not affect the blocks
   const auto damaged = [&](SectionKind kind) {
     AtlasParts parts = take_apart(file);
