@@ -184,7 +184,6 @@ void fill_faces(const ViewFaces& faces, const PictureSize& size, FaceLayer& laye
 }
 
 void add_faces(const FaceLayer& layer, Picture& picture, ThreadPool& pool) {
-  constexpr std::size_t kRowsPerJob = 16;
   const auto width = static_cast<std::size_t>(picture.size.width);
   const auto height = static_cast<std::size_t>(picture.size.height);
   pool.for_each((height + kRowsPerJob - 1) / kRowsPerJob, [&](std::size_t job) {
