@@ -305,6 +305,7 @@ struct Renderer::Impl {
     return pick_structure(scene, x, y);
   }
 
+  /// The result of body(), with errors that name the atlas.
   template <typename Body>
   [[nodiscard]] auto guarded(const Body& body) const {
     return as_errors_of(atlas->name(), body);

@@ -16,11 +16,6 @@
 namespace splatlas {
 namespace {
 
-/// True if surfaces of the rule need smooth_across_slices().
-bool smooths_across_slices(SurfaceRule rule, const Grid& grid) {
-  return rule == SurfaceRule::kSmooth && has_thick_slices(grid);
-}
-
 /// Extracts the surface and the boundary normals of single structures.
 class StructureExtractor {
  public:
@@ -33,10 +28,13 @@ class StructureExtractor {
         grid_(grid),
         options_(options),
         rule_(rule_for(options.rule, grid.size)),
-        smooths_across_(smooths_across_slices(rule_, grid)),
+        smooths_across_(rule_ == SurfaceRule::kSmooth && has_thick_slices(grid)),
         voxel_normals_(grid),
         normal_owner_(normal_owner),
         normals_(normals) {}
+
+  /// True if surfaces need smooth_across_slices().
+  [[nodiscard]] bool smooths_across() const { return smooths_across_; }
 
   struct Extracted {
     SurfaceMesh mesh;
@@ -119,8 +117,7 @@ Result<ExtractedSurfaces> extract_surfaces(const Classification& classification,
                                      result.boundary_normals);
   const auto structures = structures_to_extract(classification.classes, structure_classes, graph);
 
-  const bool smooths_across = smooths_across_slices(rule_for(options.rule, storage_grid.size), storage_grid);
-  const double extraction = smooths_across ? 0.4 : 1;  // share of the time
+  const double extraction = extractor.smooths_across() ? 0.4 : 1;  // share of the time
 
   initialize_vtk();
   std::vector<Result<StructureExtractor::Extracted>> extracted(structures.size());
@@ -143,7 +140,7 @@ Result<ExtractedSurfaces> extract_surfaces(const Classification& classification,
   }
 
   // Smooth those of labels across thick slices
-  if (!smooths_across) return result;
+  if (!extractor.smooths_across()) return result;
   std::vector<SurfaceMesh*> of_labels;
   for (StructureIndex s = 0; s < graph.size(); ++s) {
     if (std::ranges::find(options.isosurfaces, s, &Isosurface::structure) == options.isosurfaces.end())

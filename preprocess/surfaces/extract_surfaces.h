@@ -43,8 +43,8 @@ struct ExtractOptions {
 /// of thick slices are then those of smooth_across_slices(). Boundary normals come from the mask smoothed
 /// with a Gaussian of one voxel. A boundary voxel of several structures has the normal of the lowest index.
 /// Errors name the structure. Parallel over structures. Memory per thread: a byte per voxel of a structure's
-/// box, five of an isosurface's, and about 200 per vertex; for
-/// thick slices those of all surfaces and of smooth_across_slices(), too.
+/// box, five of an isosurface's, and about 200 per vertex. Thick slices add all surfaces and the memory of
+/// smooth_across_slices().
 [[nodiscard]] Result<ExtractedSurfaces> extract_surfaces(const Classification& classification,
                                                          const StructureGraph& graph,
                                                          const Grid& storage_grid,

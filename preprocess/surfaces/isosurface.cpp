@@ -111,21 +111,6 @@ Vec3 smooth_gradient(const LevelField<T>& field, const Vec3& position) {
   return gradient;
 }
 
-/// The two voxels of a vertex between them.
-struct VoxelEdge {
-  std::size_t axis = 0;
-  Index3 low{0, 0, 0}, high{0, 0, 0};
-
-  explicit VoxelEdge(const Vec3f& between) {
-    for (std::size_t a = 0; a < 3; ++a) {
-      low[a] = static_cast<std::int64_t>(std::floor(between[a]));
-      if (static_cast<float>(low[a]) != between[a]) axis = a;
-    }
-    high = low;
-    ++high[axis];
-  }
-};
-
 /// Moves single vertices to an isosurface.
 template <typename T>
 class VertexMover {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "format/tasks/thread_pool.h"
+#include "preprocess/surfaces/vtk_surface.h"
 
 namespace splatlas {
 namespace {
@@ -50,15 +51,11 @@ class Places {
   std::vector<std::uint32_t> places_;
 };
 
-/// The voxel edge of a vertex, as a number.
-std::uint64_t edge_number(const Vec3f& position, const Grid& grid) {
-  std::uint64_t number = 0, axis = 0;
-  for (const std::size_t a : {2, 1, 0}) {
-    const float low = std::floor(position[a]);
-    if (low != position[a]) axis = a;
-    number = number * static_cast<std::uint64_t>(grid.size[a] + 1) + static_cast<std::uint64_t>(low + 1);
-  }
-  return 3 * number + axis;
+/// A number for each voxel edge.
+std::uint64_t number_of(const VoxelEdge& edge, const Grid& grid) {
+  std::int64_t number = 0;
+  for (const std::size_t a : {2, 1, 0}) number = number * (grid.size[a] + 1) + edge.low[a] + 1;
+  return 3 * static_cast<std::uint64_t>(number) + edge.axis;
 }
 
 /// The surfaces of all structures. Each has its own corners, which begin as vertices of their own.
@@ -66,7 +63,7 @@ class JointSurfaces {
  public:
   JointSurfaces(std::span<SurfaceMesh* const> meshes, const Grid& grid, unsigned threads)
       : meshes_(meshes), size_(grid.size), to_index_(lps_mm_to_index(grid)), pool_(threads) {
-    // Where normals turn from corner to corner, structures are as thin as voxels, and no plane is known.
+    // Corner normals disagree on parts about one voxel thick. Their mean is no reliable plane normal.
     constexpr float kNone = 0.8f, kWhole = 0.9f;
     std::size_t vertices = 0, triangles = 0;
     for (const SurfaceMesh* mesh : meshes_) {
@@ -92,7 +89,7 @@ class JointSurfaces {
       for (const Vec3f& ijk : mesh->positions_ijk) {
         const Vec3 mm = to_lps.apply_linear({ijk[0], ijk[1], ijk[2]});  // the offset may be far
         vertex_of_.push_back(static_cast<std::uint32_t>(vertex_of_.size()));
-        edges_.push_back(edge_number(ijk, grid));
+        edges_.push_back(number_of(VoxelEdge(ijk), grid));
         origins_.push_back({static_cast<float>(mm[0]), static_cast<float>(mm[1]), static_cast<float>(mm[2])});
       }
     }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -12,6 +14,21 @@
 #include "format/result.h"
 
 namespace splatlas {
+
+/// The two voxels of a vertex between them.
+struct VoxelEdge {
+  std::size_t axis = 0;
+  Index3 low{0, 0, 0}, high{0, 0, 0};
+
+  explicit VoxelEdge(const std::array<float, 3>& between) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] = static_cast<std::int64_t>(std::floor(between[a]));
+      if (static_cast<float>(low[a]) != between[a]) axis = a;
+    }
+    high = low;
+    ++high[axis];
+  }
+};
 
 /// Triangles with vertices between an inside and an outside voxel.
 struct EdgeTriangles {

@@ -57,10 +57,11 @@ Result<std::uint64_t> draw_surfaces(RasterScene scene, const ShownFrame& frame, 
   buffers.has_fragments = painted == nullptr;
   std::optional<CutRays> surface_cuts;
   if (!frame.cuts.empty()) scene.cuts = &surface_cuts.emplace(frame.cuts, frame.view, grid, kCutMargin);
-  const CutRays cuts(frame.cuts, frame.view, grid);
+  std::optional<CutRays> cuts;
   std::optional<ViewFaces> faces;
   if (frame.faces != nullptr) {
-    faces.emplace(*frame.faces, cuts, frame.caps, frame.depth_axis, frame.depth_sign);
+    cuts.emplace(frame.cuts, frame.view, grid);
+    faces.emplace(*frame.faces, *cuts, frame.caps, frame.depth_axis, frame.depth_sign);
     fill_faces(*faces, scene.size, buffers.faces, pool);
     scene.faces = &buffers.faces;
   }

@@ -1,6 +1,7 @@
 #include "player/render/frame/ray_frame.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -54,9 +55,9 @@ Result<void> RayFrame::render_volume(Picture& picture) {
   if (scene_.options.ids) options_.ids = &buffers_.ids;
   scale_depths(of_volume_.level);
   const RayEnds ends{buffers_.surface_depths, *raster_};
-  if (ends_at_surfaces()) options_.ends = &ends;
-  cast_rays(of_volume_.volume, scene_.view, of_volume_.grid, options_, kernels_, picture, pool_);
-  options_.ends = nullptr;
+  CastOptions options = options_;
+  if (ends_at_surfaces()) options.ends = &ends;
+  cast_rays(of_volume_.volume, scene_.view, of_volume_.grid, options, kernels_, picture, pool_);
   stats_.voxels_visited = of_volume_.volume.voxels();
   stats_.sheets = watch.lap();
   return {};
@@ -88,20 +89,16 @@ void RayFrame::add_volume_depths(const ViewDepth& view_depth) {
 double voxel_pixels_of(const View& view, const Grid& grid) {
   const double in_plane = factorise(view.plane, grid).voxel_pixels();
   if (!view.eye_mm) return in_plane;
-  const Affine to_lps = index_to_lps_mm(grid);
-  double nearest = *view.eye_mm;
-  for (int n = 0; n < 8; ++n) {
-    Vec3 corner;
+  const Projection projection(view.plane, grid, *view.eye_mm);
+  double nearest = 1;  // to the eye, in distances of the plane
+  for (std::size_t corner = 0; corner < 8; ++corner) {
+    std::array<float, 3> index{};
     for (std::size_t a = 0; a < 3; ++a)
-      corner[a] = (n >> a & 1) != 0 ? static_cast<double>(grid.size[a] - 1) : 0;
-    const Vec3 at = to_lps.apply(corner);
-    const Vec3& center = view.plane.center_lps_mm;
-    nearest =
-        std::min(nearest, *view.eye_mm + dot(view.plane.forward_lps,
-                                             {at[0] - center[0], at[1] - center[1], at[2] - center[2]}));
+      index[a] = static_cast<float>((corner >> a & 1) != 0 ? grid.size[a] - 1 : 0);
+    nearest = std::min(nearest, projection.homogeneous(index).w);
   }
   if (nearest <= 0) return std::numeric_limits<double>::infinity();
-  return in_plane * std::max(1.0, 0.5 * *view.eye_mm / nearest);
+  return in_plane * std::max(1.0, 0.5 / nearest);
 }
 
 bool needs_rays(const View& view, const RenderOptions& options) {
