@@ -188,16 +188,16 @@ struct Renderer::Impl {
     // Decode the selection
     SPLATLAS_ASSIGN_OR_RETURN(const bool by_blocks,
                               decode_for(call, Axis::kZ, voxel_pixels_of(view, atlas->grid()), [&] {
-                                return rays.require_blocks(call.options, atlas, drawn, max_bytes, pool);
+                                return rays.require_blocks(options, atlas, drawn, max_bytes, pool);
                               }));
     Stopwatch watch;
 
     // Build the ray volume, and light it
-    stats.level = by_blocks ? kMeanLevel : 0;
     stats.strips = false;
     task.begin_stage(kPrepared, 4);
     if (!by_blocks)
-      SPLATLAS_RETURN_IF_ERROR(rays.require(options, *atlas, drawn, decoded.cache(), max_bytes, pool));
+      SPLATLAS_RETURN_IF_ERROR(rays.require(view, options, *atlas, drawn, decoded.cache(), max_bytes, pool));
+    stats.level = rays.level();
     stats.traversal = watch.lap();
     stats.select_ms += stats.traversal.wall_ms;
     const Lighting lighting(view.plane);
@@ -208,12 +208,13 @@ struct Renderer::Impl {
     // Rasterise surfaces, cast rays, resolve both into the picture
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache(), stats.surface_level);
     const FrameScene scene = scene_of(call, surfaces, lighting);
-    const RayScene of_volume{rays.volume(), by_blocks ? *rays.blocks() : atlas->grid(), stats.level};
+    const RayScene of_volume{rays.volume(), coarse_grid(atlas->grid(), stats.level), stats.level};
     RayFrame stages(scene, of_volume, buffers, stats, pool);
     SPLATLAS_RETURN_IF_ERROR(run_stages(stages, kRayLoops, call, frame));
     stats.runs_visited = rays.volume().runs();
     stats.render_ms = light.wall_ms + watch.lap().wall_ms;
     if (by_blocks) forget_frames();  // picks need the voxels
+    rays.took(stats, options);
     decoded.took(stats, options);
     return {};
   }

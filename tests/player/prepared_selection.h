@@ -45,7 +45,7 @@ struct PreparedSelection {
     build(axis, builder, shade);
     return std::move(builder.model());
   }
-  RayVolume rays(Classification classification) {
+  RayVolume rays(Classification classification, bool shade = false) {
     const SelectedRuns of_z = runs(Axis::kZ);
     return RayVolume::build({.atlas = *atlas,
                              .selection = selection,
@@ -54,6 +54,7 @@ struct PreparedSelection {
                              .runs = of_z,
                              .cache = cache,
                              .classification = classification,
+                             .shade = shade,
                              .max_memory_bytes = std::uint64_t{1} << 30},
                             pool)
         .value();

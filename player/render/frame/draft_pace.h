@@ -27,6 +27,9 @@ struct VolumeDetail {
 /// downsampled volumes.
 class DraftPace {
  public:
+  /// `by_rays`: pictures by rays, which have no sheet pixels.
+  explicit DraftPace(bool by_rays = false) : min_(by_rays ? 1 : 0) {}
+
   /// Maximum width of a downsampled voxel, in picture pixels.
   static constexpr double kMaxPixels = 6;
 
@@ -36,7 +39,7 @@ class DraftPace {
     max_ = 1;
     for (double width = 2 * voxel_pixels; width <= kMaxPixels && max_ < kMaxStep; width *= 2) ++max_;
     // Below this width, sheets have one pixel per voxel anyway
-    step_ = std::clamp(step_, voxel_pixels > 1.25 ? 0 : 1, max_);
+    step_ = std::clamp(step_, voxel_pixels > 1.25 ? min_ : 1, max_);
     const int step = has_voxels || max_ < 2 ? step_ : std::max(step_, 2);
     return {std::max(step - 1, 0), step == 0 ? 2 : 1};
   }
@@ -44,7 +47,13 @@ class DraftPace {
   /// Records the time of a draft of `next()`.
   void took(double ms, double budget_ms) {
     for (; ms > budget_ms && step_ < max_; ++step_) ms /= gain(step_);
-    if (step_ > 0 && ms * gain(step_ - 1) < budget_ms) --step_;
+    if (step_ > min_ && ms * gain(step_ - 1) < budget_ms) --step_;
+  }
+  /// The same for a finished draft with a volume. Surfaces take as long with any detail of it.
+  void took(const RenderStats& stats, const RenderOptions& options) {
+    if (!may_be_rough(options) || stats.voxels_visited == 0) return;
+    const double budget = options.draft_budget_ms, of_surfaces = stats.rasterize.wall_ms;
+    took(stats.render_ms - of_surfaces, std::max(budget - of_surfaces, budget / 2));
   }
 
  private:
@@ -53,7 +62,7 @@ class DraftPace {
   /// of the caches. Less would draw steps in turns, and build their means anew each time.
   static double gain(int step) { return step == 0 ? 4 : 12; }
 
-  int step_ = 0, max_ = 1;
+  int min_ = 0, step_ = 0, max_ = 1;
 };
 
 /// Chooses the level of the surfaces of each draft: one whose silhouettes are nearly exact, or a

@@ -11,7 +11,7 @@ namespace splatlas {
 /// The volume of a frame by rays.
 struct RayScene {
   const RayVolume& volume;  ///< lit
-  const Grid& grid;         ///< of the volume
+  Grid grid;                ///< of the volume
   int level = 0;            ///< of the grid: voxels, or blocks of 2^level voxels along each axis
 };
 

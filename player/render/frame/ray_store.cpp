@@ -3,32 +3,49 @@
 #include <utility>
 
 #include "format/result_macros.h"
+#include "player/render/frame/ray_frame.h"
 
 namespace splatlas {
 
-Result<void> RayStore::require(const RenderOptions& options, const Atlas& atlas, const DrawnSelection& drawn,
-                               const ClassCache& cache, std::uint64_t max_memory_bytes, ThreadPool& pool) {
-  const bool is_built = fits(options);
-  if (is_built && (!options.ids || volume_->numbers() != nullptr)) return {};
+Result<void> RayStore::require(const View& view, const RenderOptions& options, const Atlas& atlas,
+                               const DrawnSelection& drawn, const ClassCache& cache,
+                               std::uint64_t max_memory_bytes, ThreadPool& pool) {
   const SelectedRuns runs(drawn.plan(), atlas.classes(), cache, Axis::kZ);
-  if (is_built) return volume_->number(runs, drawn.numbers(), pool);
-  clear();
-  SPLATLAS_ASSIGN_OR_RETURN(volume_, RayVolume::build({.atlas = atlas,
-                                                       .selection = drawn.selection(),
-                                                       .plan = drawn.plan(),
-                                                       .appearances = drawn.appearances().appearances(),
-                                                       .runs = runs,
-                                                       .cache = cache,
-                                                       .classification = options.classification,
-                                                       .shade = options.hybrid_shading,
-                                                       .max_memory_bytes = max_memory_bytes},
-                                                      pool));
-  return options.ids ? volume_->number(runs, drawn.numbers(), pool) : Result<void>();
+  SPLATLAS_RETURN_IF_ERROR(require_voxels(options, atlas, drawn, runs, cache, max_memory_bytes, pool));
+  level_ = may_be_rough(options) && options.classification == Classification::kBefore
+               ? pace_.next(voxel_pixels_of(view, atlas.grid()), true).level
+               : 0;
+  if (level_ == 0 || (means_ && means_level_ == level_)) return {};
+  means_.reset();
+  SPLATLAS_ASSIGN_OR_RETURN(means_, volume_->means(runs, level_, pool));
+  means_level_ = level_;
+  return {};
+}
+
+Result<void> RayStore::require_voxels(const RenderOptions& options, const Atlas& atlas,
+                                      const DrawnSelection& drawn, const SelectedRuns& runs,
+                                      const ClassCache& cache, std::uint64_t max_memory_bytes,
+                                      ThreadPool& pool) {
+  if (!fits(options)) {
+    clear();
+    SPLATLAS_ASSIGN_OR_RETURN(volume_, RayVolume::build({.atlas = atlas,
+                                                         .selection = drawn.selection(),
+                                                         .plan = drawn.plan(),
+                                                         .appearances = drawn.appearances().appearances(),
+                                                         .runs = runs,
+                                                         .cache = cache,
+                                                         .classification = options.classification,
+                                                         .shade = options.hybrid_shading,
+                                                         .max_memory_bytes = max_memory_bytes},
+                                                        pool));
+  }
+  if (!options.ids || volume_->numbers() != nullptr) return {};
+  return volume_->number(runs, drawn.numbers(), pool);
 }
 
 bool RayStore::require_blocks(const RenderOptions& options, const std::shared_ptr<const Atlas>& atlas,
                               const DrawnSelection& drawn, std::uint64_t max_memory_bytes, ThreadPool& pool) {
-  if (blocks_ && volume_->fits(Classification::kBefore, options.hybrid_shading)) return true;
+  if (by_blocks_ && volume_->fits(Classification::kBefore, options.hybrid_shading)) return true;
   clear();
   const auto read = BlockVolume::read(atlas, drawn.plan(), pool);
   if (!read) return false;
@@ -49,8 +66,16 @@ bool RayStore::require_blocks(const RenderOptions& options, const std::shared_pt
                                 pool);
   if (!built) return false;
   volume_ = std::move(*built);
-  blocks_ = blocks.grid();
+  by_blocks_ = true;
+  level_ = kMeanLevel;
   return true;
+}
+
+void RayStore::clear() {
+  volume_.reset();
+  means_.reset();
+  by_blocks_ = false;
+  level_ = 0;
 }
 
 }  // namespace splatlas

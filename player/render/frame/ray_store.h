@@ -6,43 +6,55 @@
 #include <optional>
 
 #include "player/render/frame/decoded_selection.h"
+#include "player/render/frame/draft_pace.h"
 #include "player/render/frame/drawn_selection.h"
 #include "player/render/rays/volume/ray_volume.h"
 #include "player/render_options.h"
 
 namespace splatlas {
 
-/// Cache of the ray volume of the current selection: its voxels, or blocks of voxels that stand in for them.
-/// Not thread-safe.
+/// Cache of the ray volume of the current selection: its voxels, and means or blocks of voxels that stand in
+/// for them in drafts. Not thread-safe.
 class RayStore {
  public:
-  /// True if the volume can draw with these options: require() will build nothing.
+  /// True if the volume can draw with these options: require() will build no voxels.
   [[nodiscard]] bool fits(const RenderOptions& options) const {
-    return volume_ && !blocks_ && volume_->fits(options.classification, options.hybrid_shading);
+    return volume_ && !by_blocks_ && volume_->fits(options.classification, options.hybrid_shading);
   }
-  /// Builds the volume, and numbers its voxels for ids, unless that is done. Errors and cost as for
+  /// Prepares the volume of a frame: builds its voxels, and numbers them for ids, unless that is done; for a
+  /// draft within a budget chooses its detail, and averages the voxels. Errors and cost as for
   /// RayVolume::build().
-  [[nodiscard]] Result<void> require(const RenderOptions& options, const Atlas& atlas,
+  [[nodiscard]] Result<void> require(const View& view, const RenderOptions& options, const Atlas& atlas,
                                      const DrawnSelection& drawn, const ClassCache& cache,
                                      std::uint64_t max_memory_bytes, ThreadPool& pool);
   /// Reads blocks of voxels instead, pre-classified. False on any error, which reading the voxels will tell.
   [[nodiscard]] bool require_blocks(const RenderOptions& options, const std::shared_ptr<const Atlas>& atlas,
                                     const DrawnSelection& drawn, std::uint64_t max_memory_bytes,
                                     ThreadPool& pool);
-  /// Drops the volume. Does not throw.
-  void clear() {
-    volume_.reset();
-    blocks_.reset();
+  /// Records the times of the latest frame.
+  void took(const RenderStats& stats, const RenderOptions& options) {
+    if (!by_blocks_) pace_.took(stats, options);
   }
+  /// Drops the volume. Does not throw.
+  void clear();
 
-  /// The volume; require() or require_blocks() must have succeeded.
-  [[nodiscard]] RayVolume& volume() { return *volume_; }
-  /// The grid of blocks; null: the volume is one of voxels.
-  [[nodiscard]] const Grid* blocks() const { return blocks_ ? &*blocks_ : nullptr; }
+  /// The volume of the latest frame; require() or require_blocks() must have succeeded.
+  [[nodiscard]] RayVolume& volume() { return level_ > 0 && !by_blocks_ ? *means_ : *volume_; }
+  /// Its level: 0 for voxels, or blocks of 2^level voxels along each axis.
+  [[nodiscard]] int level() const { return level_; }
 
  private:
-  std::optional<RayVolume> volume_;
-  std::optional<Grid> blocks_;
+  [[nodiscard]] Result<void> require_voxels(const RenderOptions& options, const Atlas& atlas,
+                                            const DrawnSelection& drawn, const SelectedRuns& runs,
+                                            const ClassCache& cache, std::uint64_t max_memory_bytes,
+                                            ThreadPool& pool);
+
+  std::optional<RayVolume> volume_;  // of voxels or blocks
+  bool by_blocks_ = false;
+  std::optional<RayVolume> means_;  // of the voxels
+  int means_level_ = 0;
+  int level_ = 0;
+  DraftPace pace_{true};
 };
 
 }  // namespace splatlas

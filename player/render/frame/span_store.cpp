@@ -230,11 +230,8 @@ SheetVolume SpanStore::prepare_blocks(const ParallelView& view, Axis axis, bool 
   return {SheetSpans(blocks_->model()), nullptr, factorise(view, grid, &axis), grid, {kMeanLevel, 1}};
 }
 
-/// Surfaces take as long with any detail of the volume.
 void SpanStore::took(const RenderStats& stats, const RenderOptions& options) {
-  if (!may_be_rough(options) || stats.voxels_visited == 0 || blocks_) return;
-  const double budget = options.draft_budget_ms, of_surfaces = stats.rasterize.wall_ms;
-  pace_.took(stats.render_ms - of_surfaces, std::max(budget - of_surfaces, budget / 2));
+  if (!blocks_) pace_.took(stats, options);
 }
 
 void SpanStore::outdate() {

@@ -23,6 +23,17 @@ std::vector<std::uint32_t> brick_sums(const BrickMask& mask) {
   return sums;
 }
 
+void mark_slices(BrickMask& mask, const std::vector<std::vector<std::uint8_t>>& slices) {
+  const std::size_t bricks = mask.of_slice();
+  for (std::size_t slice = 0; slice < slices.size(); ++slice) {
+    const std::size_t to = slice / MarchGrid::kBrick;
+    const std::size_t from = slice == 0 ? 0 : (slice - 1) / MarchGrid::kBrick;
+    for (std::size_t k = from; k <= to; ++k) {
+      for (std::size_t n = 0; n < bricks; ++n) mask.bricks[k * bricks + n] |= slices[slice][n];
+    }
+  }
+}
+
 double bytes_of_ray_volume(const MarchGrid& grid, std::uint64_t runs) {
   constexpr double kBytesPerBrick = 16, kBytesPerSlice = 64, kVoxelBytes = 16, kPageBytes = 4096;
   constexpr double kPagesPerRun = 6, kRunBytes = 64;

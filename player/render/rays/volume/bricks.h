@@ -102,4 +102,7 @@ inline void mark_around(const BrickMask& mask, std::vector<std::uint8_t>& bricks
   }
 }
 
+/// Marks the bricks of the cells in front of and behind the voxels that mark_around() marked: [slice][brick].
+void mark_slices(BrickMask& mask, const std::vector<std::vector<std::uint8_t>>& slices);
+
 }  // namespace splatlas

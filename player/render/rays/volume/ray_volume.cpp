@@ -13,8 +13,6 @@
 namespace splatlas {
 namespace {
 
-/// Padding of the selection's bounding box by empty voxels.
-constexpr std::int64_t kMargin = 2;
 constexpr std::size_t kFour = 4;
 /// Limit of stored grey values. Points of transfer functions lie within 1e5 of 0, so clamping shifts their
 /// crossings by at most 1e-4 of the distance between voxels.
@@ -215,8 +213,7 @@ class RayVolume::Builder {
     });
   }
   [[nodiscard]] std::size_t place(std::int64_t x, std::int64_t y, std::int64_t z) const {
-    const auto& size = volume_.grid_.size;
-    return static_cast<std::size_t>((z * size[1] + y) * size[0] + x);
+    return volume_.place(x, y, z);
   }
 
   /// Function from a voxel to its grey value as the source stores it. NaN maps to the lowest point of the
@@ -343,15 +340,7 @@ class RayVolume::Builder {
         }
       });
     });
-    // Mark the cells in front of and behind each voxel
-    const std::size_t bricks = mask.of_slice();
-    for (std::size_t slice = 0; slice < slices; ++slice) {
-      const std::size_t to = slice / MarchGrid::kBrick;
-      const std::size_t from = slice == 0 ? 0 : (slice - 1) / MarchGrid::kBrick;
-      for (std::size_t k = from; k <= to; ++k) {
-        for (std::size_t n = 0; n < bricks; ++n) mask.bricks[k * bricks + n] |= visible[slice][n];
-      }
-    }
+    mark_slices(mask, visible);
   }
 
   /// Calls take(z, lighter) for the slices of the box, in parallel; a lighter passes through adjacent slices.

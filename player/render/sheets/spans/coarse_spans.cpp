@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "format/tasks/task_control.h"
+#include "player/render/light/voxel_sums.h"
 #include "player/render/sheets/spans/span_writer.h"
 
 namespace splatlas {
@@ -19,14 +20,6 @@ struct BlockRange {
 
   BlockRange(std::int64_t from, std::int64_t to, int level)
       : first(from >> level), count((to >> level) - first + 1) {}
-};
-
-/// Sums over the voxels of a block.
-struct Sums {
-  float extinction = 0;
-  std::array<float, 3> emission{};
-  float lit = 0, white = 0;  ///< emission of white: its lit part, and all of it
-  std::array<float, 3> normal{};
 };
 
 /// Builds the slices of blocks, one at a time.
@@ -93,7 +86,7 @@ class SliceAverager {
     const VoxelLight light =
         lighter_.light(look, request_.plan.classes[draw].boundary, slice, run.row, run.start, run.length);
     const std::size_t row = static_cast<std::size_t>((std::int64_t{run.row} >> level_) - model_.row_first);
-    Sums* const row_sums = sums_.data() + row * width_;
+    VoxelSums* const row_sums = sums_.data() + row * width_;
     const Index3& size = request_.grid.size;
     const std::array<std::int64_t, 3> steps{1, size[0], size[0] * size[1]};
     const auto step = static_cast<std::size_t>(steps[scan_.scan_axis]);
@@ -104,12 +97,12 @@ class SliceAverager {
       const std::uint32_t count = std::min(kAtOnce, run.length - done);
       look.look_up(request_.cache.values(), voxel, step, count, extinctions.data(), whites.data());
       for (std::uint32_t n = 0; n < count; ++n) {
-        Sums& sums = row_sums[index(run.start + done + n)];
+        VoxelSums& sums = row_sums[index(run.start + done + n)];
         sums.extinction += extinctions[n];
-        sums.white += whites[n];
+        sums.weight += whites[n];
         for (std::size_t c = 0; c < 3; ++c) sums.emission[c] += whites[n] * look.color[c];
         const float lit = whites[n] * share_of(light, done + n);
-        if (lit != 0) add_light(lit, light.normals[(done + n) * light.stride], sums);
+        if (lit != 0) sums.add_light(lit, light.normals[(done + n) * light.stride], unpacked_);
       }
       voxel += count * step;
     }
@@ -129,27 +122,22 @@ class SliceAverager {
       const bool is_shaded = shaded != end && shaded->place == place;
       if (optics[0] > 0) {
         const std::size_t at = index(voxel);
-        Sums& sums = sums_[row * width_ + at];
+        VoxelSums& sums = sums_[row * width_ + at];
         rows_[row] = {std::min(rows_[row].first, at), std::max(rows_[row].last, at + 1)};
         std::array<float, 3> emission{};
         for (std::size_t c = 0; c < static_cast<std::size_t>(slice.emissions); ++c)
           emission[c] = is_shaded ? shaded->emission[c] : optics[(c + 1) * kBlock];
         const float weight = emission[0] + emission[1] + emission[2];
         sums.extinction += optics[0];
-        sums.white += weight;
+        sums.weight += weight;
         for (std::size_t c = 0; c < 3; ++c) sums.emission[c] += emission[c];
         if (is_shaded && request_.shade)
-          add_light(weight * static_cast<float>(shaded->lit) / ShadedVoxel::kAllLit, shaded->normal, sums);
+          sums.add_light(weight * static_cast<float>(shaded->lit) / ShadedVoxel::kAllLit, shaded->normal,
+                         unpacked_);
       }
       if (is_shaded) ++shaded;
     }
     return shaded;
-  }
-  void add_light(float lit, PackedNormal normal, Sums& sums) const {
-    sums.lit += lit;
-    sums.normal[0] += lit * unpacked_.x[normal];
-    sums.normal[1] += lit * unpacked_.y[normal];
-    sums.normal[2] += lit * unpacked_.z[normal];
   }
   /// The lit share of the n-th voxel.
   static float share_of(const VoxelLight& light, std::uint32_t n) {
@@ -165,7 +153,7 @@ class SliceAverager {
   void write_row(std::size_t row, SpanWriter& writer) {
     const float per_voxel = std::ldexp(1.0f, -3 * level_);
     const Extent extent = std::exchange(rows_[row], {width_, 0});
-    Sums* const row_sums = sums_.data() + row * width_;
+    VoxelSums* const row_sums = sums_.data() + row * width_;
     for (std::size_t begin = extent.first; begin < extent.last;) {
       if (row_sums[begin].extinction <= 0) {
         ++begin;
@@ -177,21 +165,20 @@ class SliceAverager {
       const auto count = static_cast<std::uint32_t>(end - begin);
       writer.add(first, count);
       for (std::size_t n = begin; n < end; ++n) {
-        const Sums& sums = row_sums[n];
+        const VoxelSums& sums = row_sums[n];
         writer.extinctions(first)[n - begin] = sums.extinction * per_voxel;
         for (int c = 0; c < model_.emissions; ++c) {
-          const float sum = model_.emissions == 1 ? sums.white : sums.emission[static_cast<std::size_t>(c)];
+          const float sum = model_.emissions == 1 ? sums.weight : sums.emission[static_cast<std::size_t>(c)];
           writer.emissions(first, c)[n - begin] = sum * per_voxel;
         }
         if (sums.lit > 0) normals_[n] = pack_normal(sums.normal);
-        const float share = sums.white > 0 ? sums.lit / sums.white : 0;
-        lit_[n] = static_cast<std::uint16_t>(std::lround(std::min(share, 1.0f) * ShadedVoxel::kAllLit));
+        lit_[n] = sums.lit_share();
       }
       writer.shade(first, count, {&normals_[begin], 1, &lit_[begin]});
       begin = end;
     }
     writer.end_row(model_.row_first + static_cast<std::int64_t>(row));
-    std::fill(row_sums + extent.first, row_sums + extent.last, Sums{});
+    std::fill(row_sums + extent.first, row_sums + extent.last, VoxelSums{});
   }
 
   const SpanRequest& request_;
@@ -201,7 +188,7 @@ class SliceAverager {
   const UnpackedNormals& unpacked_ = unpacked_normals();
   const std::size_t width_;  // of the box, in blocks
   VoxelLighter lighter_;
-  std::vector<Sums> sums_;  // of the slice's box; zero outside rows_
+  std::vector<VoxelSums> sums_;  // of the slice's box; zero outside rows_
   std::vector<Extent> rows_;
   std::vector<PackedNormal> normals_;  // of a row
   std::vector<std::uint16_t> lit_;

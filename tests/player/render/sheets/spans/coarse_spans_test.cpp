@@ -4,28 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/player/mean_field.h"
 #include "tests/player/prepared_selection.h"
 #include "tests/player/render/sheets/spans/unpacked_spans.h"
 #include "tests/support/random_scene.h"
 
 namespace splatlas {
 namespace {
-
-/// Means over blocks, from the reference.
-std::vector<reference::VoxelOptics> means_of(const reference::OpticalField& field, const Grid& grid,
-                                             int level) {
-  const Grid coarse = coarse_grid(grid, level);
-  std::vector<reference::VoxelOptics> means(static_cast<std::size_t>(coarse.voxels()));
-  for (std::int64_t k = 0; k < grid.size[2]; ++k) {
-    for (std::int64_t j = 0; j < grid.size[1]; ++j) {
-      for (std::int64_t i = 0; i < grid.size[0]; ++i) {
-        means[static_cast<std::size_t>(coarse.offset(i >> level, j >> level, k >> level))].add(
-            std::ldexp(1.0, -3 * level), field.voxels[static_cast<std::size_t>(grid.offset(i, j, k))]);
-      }
-    }
-  }
-  return means;
-}
 
 /// From the voxels, or from their spans.
 CoarseSpans coarse_spans(PreparedSelection& prepared, Axis axis, int level, const SpanModel* fine = nullptr) {
@@ -35,17 +20,6 @@ CoarseSpans coarse_spans(PreparedSelection& prepared, Axis axis, int level, cons
           fine,
           level,
           prepared.pool};
-}
-
-void expect_near(const std::vector<reference::VoxelOptics>& ours,
-                 const std::vector<reference::VoxelOptics>& expected, double tolerance) {
-  ASSERT_EQ(ours.size(), expected.size());
-  for (std::size_t n = 0; n < ours.size(); ++n) {
-    const double scale = expected[n].extinction;
-    ASSERT_NEAR(ours[n].extinction, scale, 1e-5 * scale + 1e-38) << "block " << n;
-    for (std::size_t c = 0; c < 3; ++c)
-      ASSERT_NEAR(ours[n].emission[c], expected[n].emission[c], tolerance * scale + 1e-38) << "block " << n;
-  }
 }
 
 TEST(CoarseSpans, AreTheMeansOfTheirVoxels) {

@@ -1,0 +1,37 @@
+// Sums over the voxels of a block, for the means of drafts.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "player/render/decode/span_blocks.h"
+#include "player/render/transfer/shading.h"
+
+namespace splatlas {
+
+/// Sums of the optical properties of voxels (1/mm), and of their normals, weighted by the emission that they
+/// light.
+struct VoxelSums {
+  float extinction = 0;
+  std::array<float, 3> emission{};
+  float weight = 0, lit = 0;  ///< of the emission: all of it, and its lit part
+  std::array<float, 3> normal{};
+
+  /// Adds the lit emission of a voxel, in the unit of `weight`.
+  void add_light(float emission_lit, PackedNormal of_voxel, const UnpackedNormals& unpacked) {
+    lit += emission_lit;
+    normal[0] += emission_lit * unpacked.x[of_voxel];
+    normal[1] += emission_lit * unpacked.y[of_voxel];
+    normal[2] += emission_lit * unpacked.z[of_voxel];
+  }
+  /// Share of the emission that is lit, as ShadedVoxel::lit.
+  [[nodiscard]] std::uint16_t lit_share() const {
+    const float share = weight > 0 ? std::min(lit / weight, 1.0f) : 0;
+    return static_cast<std::uint16_t>(std::lround(share * ShadedVoxel::kAllLit));
+  }
+};
+
+}  // namespace splatlas

@@ -1,0 +1,145 @@
+// Means of the voxels of a ray volume, for drafts.
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "format/result_macros.h"
+#include "format/tasks/task_control.h"
+#include "player/render/light/voxel_sums.h"
+#include "player/render/rays/volume/bricks.h"
+#include "player/render/rays/volume/ray_volume.h"
+
+namespace splatlas {
+
+/// Adds up the voxels of slices of blocks.
+class RayVolume::Averager {
+ public:
+  Averager(const RayVolume& fine, const SelectedRuns& runs, int level, RayVolume& coarse)
+      : fine_(fine),
+        runs_(runs),
+        level_(level),
+        coarse_(coarse),
+        sums_(static_cast<std::size_t>(coarse.grid_.size[0])) {}
+
+  /// Writes slice `z` of the box of blocks. `seen`: bricks with visible blocks. Returns the number of blocks.
+  std::uint64_t average(std::int64_t z, const BrickMask& mask, std::vector<std::uint8_t>& seen) {
+    const std::int64_t first = (z + coarse_.first_[2]) << level_;
+    const std::int64_t slices = std::int64_t{1} << level_;
+    std::uint64_t blocks = 0;
+    std::vector<const ShadedVoxel*> shaded;  // next ones, by slice of voxels
+    for (std::int64_t n = first; n < first + slices; ++n)
+      shaded.push_back(has_slice(n) ? shaded_of(n).data() : nullptr);
+    for (std::int64_t y = kMargin; y < coarse_.grid_.size[1] - kMargin; ++y) {
+      const std::int64_t row = (y + coarse_.first_[1]) << level_;
+      for (std::int64_t n = 0; n < slices; ++n) {
+        if (!has_slice(first + n)) continue;
+        const ShadedVoxel*& next = shaded[static_cast<std::size_t>(n)];
+        runs_.for_each(first + n, row, row + slices,
+                       [&](const ClassRun& run, std::uint32_t) { next = add(first + n, run, next); });
+      }
+      blocks += write(y, z, mask, seen);
+    }
+    return blocks;
+  }
+
+ private:
+  [[nodiscard]] bool has_slice(std::int64_t slice) const {
+    return slice >= fine_.first_[2] && slice < fine_.first_[2] + fine_.grid_.size[2];
+  }
+  [[nodiscard]] const std::vector<ShadedVoxel>& shaded_of(std::int64_t slice) const {
+    return fine_.sources_.front().shaded[static_cast<std::size_t>(slice - fine_.first_[2])];
+  }
+
+  /// Adds the voxels of a run to the sums of their blocks. `shaded`: the first shaded voxel of the slice that
+  /// is not before them; returns that behind them.
+  const ShadedVoxel* add(std::int64_t slice, const ClassRun& run, const ShadedVoxel* shaded) {
+    const std::vector<ShadedVoxel>& of_slice = shaded_of(slice);
+    const ShadedVoxel* const end = of_slice.data() + of_slice.size();
+    const auto* optics = reinterpret_cast<const float*>(fine_.sources_.front().values.data());
+    std::size_t at =
+        4 * fine_.place(run.start - fine_.first_[0], run.row - fine_.first_[1], slice - fine_.first_[2]);
+    for (std::uint32_t voxel = run.start; voxel < run.start + run.length; ++voxel, at += 4) {
+      if (optics[at] <= 0) continue;
+      const bool is_shaded = shaded != end && shaded->place == at + 1;
+      const float* const emission = is_shaded ? shaded->color.data() : optics + at + 1;
+      const float weight = emission[0] + emission[1] + emission[2];
+      VoxelSums& sums = sums_[static_cast<std::size_t>((voxel >> level_) - coarse_.first_[0])];
+      sums.extinction += optics[at];
+      for (std::size_t c = 0; c < 3; ++c) sums.emission[c] += emission[c];
+      sums.weight += weight;
+      if (!is_shaded) continue;
+      const float share = static_cast<float>(shaded->lit) / splatlas::ShadedVoxel::kAllLit;
+      sums.add_light(weight * share, shaded->normal, unpacked_);
+      ++shaded;
+    }
+    return shaded;
+  }
+
+  /// Writes the means of a row, and clears its sums. Returns their number.
+  std::uint64_t write(std::int64_t y, std::int64_t z, const BrickMask& mask,
+                      std::vector<std::uint8_t>& seen) {
+    const float per_voxel = std::ldexp(1.0f, -3 * level_);
+    Source& source = coarse_.sources_.front();
+    auto* optics = reinterpret_cast<float*>(source.values.data());
+    std::uint64_t blocks = 0;
+    for (std::int64_t x = kMargin; x < coarse_.grid_.size[0] - kMargin; ++x) {
+      VoxelSums& sums = sums_[static_cast<std::size_t>(x)];
+      if (sums.extinction <= 0) continue;
+      const std::size_t at = 4 * coarse_.place(x, y, z);
+      optics[at] = sums.extinction * per_voxel;
+      for (std::size_t c = 0; c < 3; ++c) optics[at + 1 + c] = sums.emission[c] * per_voxel;
+      if (const std::uint16_t lit = sums.lit_share(); lit > 0) {
+        source.shaded[static_cast<std::size_t>(z)].push_back(
+            {at + 1, pack_normal(sums.normal), lit, {optics[at + 1], optics[at + 2], optics[at + 3]}});
+      }
+      mark_around(mask, seen, x, y);
+      sums = {};
+      ++blocks;
+    }
+    return blocks;
+  }
+
+  const RayVolume& fine_;
+  const SelectedRuns& runs_;
+  const int level_;
+  RayVolume& coarse_;
+  const UnpackedNormals& unpacked_ = unpacked_normals();
+  std::vector<VoxelSums> sums_;  // of a row of blocks
+};
+
+Result<RayVolume> RayVolume::means(const SelectedRuns& runs, int level, ThreadPool& pool) const {
+  RayVolume coarse;
+  coarse.runs_ = runs_;
+  coarse.shade_ = shade_;
+  if (empty()) return coarse;
+
+  // Frame the blocks
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::int64_t first = (first_[a] + kMargin) >> level;
+    const std::int64_t last = (first_[a] + grid_.size[a] - 1 - kMargin) >> level;
+    coarse.first_[a] = first - kMargin;
+    coarse.grid_.size[a] = static_cast<std::int32_t>(last - first + 1 + 2 * kMargin);
+  }
+  const auto slices = static_cast<std::size_t>(coarse.grid_.size[2]);
+  Source& source = coarse.sources_.emplace_back();
+  SPLATLAS_ASSIGN_OR_RETURN(
+      source.values, SparseBytes::reserve(coarse.place(0, 0, coarse.grid_.size[2]) * 4 * sizeof(float)));
+  source.shaded.resize(slices);
+
+  // Average slices in parallel
+  BrickMask mask(coarse.grid_);
+  std::vector<std::vector<std::uint8_t>> seen(slices, std::vector<std::uint8_t>(mask.of_slice()));
+  std::vector<std::uint64_t> blocks(slices);
+  pool.for_each(slices, [&](std::size_t z) {
+    blocks[z] = Averager(*this, runs, level, coarse).average(static_cast<std::int64_t>(z), mask, seen[z]);
+  });
+  mark_slices(mask, seen);
+  source.active = coarse.active_ = brick_sums(mask);
+  coarse.views_.push_back(
+      {.optics = reinterpret_cast<const float*>(source.values.data()), .active = source.active.data()});
+  coarse.voxels_ = std::accumulate(blocks.begin(), blocks.end(), std::uint64_t{0});
+  for (const auto& slice : source.shaded) coarse.shaded_voxels_ += slice.size();
+  return coarse;
+}
+
+}  // namespace splatlas
