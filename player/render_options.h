@@ -27,14 +27,15 @@ enum class DepthCue : std::uint8_t {
 /// Quality of a picture: draft, normal, high.
 ///
 /// Sheets draw parallel projections with pre-classification, rays all else. In high quality, rays draw all
-/// volumes whose voxels are at least a pixel wide, if memory allows. Sheets have:
+/// volumes without cuts along the view, if memory allows. Sheets have:
 ///   - Sheet pixels per picture pixel, along each axis: 1, 1.5, 2. Sheet pixels per voxel: at most 2, 4, 8.
 ///   - Selections with sharp edges: 1, 2.25, 2.5; at most 2, 6, 8 per voxel. Their maximum
 ///     optical depth over the reference length is at least 1 (opacity 0.63) on average.
 ///   - Slabs per slice: 1, 4, 8.
 ///   - Interpolation in pixels without surfaces: bilinear, bicubic, bicubic.
 ///
-/// Rays draw perspective projections and post-classification. Steps per slab: 1, 1 to 32, 8 to 64.
+/// Rays have 1, 1 to 32, 8 to 64 steps per slab. Where voxels are less than a pixel wide, a pixel has 1, n x
+/// n, 1.5 n x 1.5 n rays, with n voxels along a pixel.
 enum class Quality : std::uint8_t { kDraft, kNormal, kHigh };
 
 /// Contents of the faces of a cut: the points where a plane meets drawn structures.
@@ -50,12 +51,12 @@ struct RenderOptions {
   PictureSize size{512, 512};
   Quality quality = Quality::kNormal;
   Classification classification = Classification::kBefore;
-  /// Time for a draft of a parallel view, in ms; 0: as much as it takes. Within a budget, without cuts, ids,
-  /// depth maps and depth cue:
+  /// Time for a draft, in ms; 0: as much as it takes. Within a budget, without cuts, ids, depth maps and
+  /// depth cue:
   ///   - Rays end where the nearest pixel centre meets an opaque surface: several times as fast; silhouettes
   ///     in the volume are rough by a pixel.
-  ///   - After a draft that took longer, sheets have one pixel per voxel, and then volumes are drawn from
-  ///     means of 2^n voxels along each axis, at most 6 picture pixels wide.
+  ///   - After a draft that took longer, sheets have one pixel per voxel, and then pre-classified volumes are
+  ///     drawn from means of 2^n voxels along each axis, at most 6 picture pixels wide.
   ///   - Surfaces are those of blocks of 2^n voxels, at most 3 pixels wide, or 6 after a late draft.
   ///   - Means and blocks also stand in for what would take twice the budget to prepare.
   double draft_budget_ms = 0;

@@ -101,7 +101,7 @@ struct Renderer::Impl {
   /// True for pictures by ray casting, false for shear-warp factorisation.
   [[nodiscard]] bool is_by_rays(const View& view, const RenderOptions& options) const {
     return needs_rays(view, options) ||
-           (!volume_classes(drawn.plan()).empty() && gains_by_rays(view, options, atlas->grid()));
+           (!volume_classes(drawn.plan()).empty() && gains_by_rays(view, options));
   }
 
   [[nodiscard]] Result<void> render(const FrameCall& call, Frame& frame) {
@@ -188,7 +188,7 @@ struct Renderer::Impl {
     // Decode the selection
     SPLATLAS_ASSIGN_OR_RETURN(const bool by_blocks,
                               decode_for(call, Axis::kZ, voxel_pixels_of(view, atlas->grid()), [&] {
-                                return rays.require_blocks(options, atlas, drawn, max_bytes, pool);
+                                return rays.require_blocks(call.options, atlas, drawn, max_bytes, pool);
                               }));
     Stopwatch watch;
 

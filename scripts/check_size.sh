@@ -18,7 +18,7 @@ check() {
   fi
 }
 
-check product 62280 format preprocess player schemas
-check tests 49840 tests
+check product 62600 format preprocess player schemas
+check tests 50080 tests
 check bench 8510 bench
 exit "$bad"

@@ -4,7 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include "player/render/view/shear.h"
+#include "tests/reference/picture_difference.h"
+#include "tests/reference/reference_picture.h"
 #include "tests/support/phantom_content.h"
+#include "tests/support/random_scene.h"
 #include "tests/support/render.h"
 #include "tests/support/test_content.h"
 
@@ -27,6 +31,80 @@ double difference_of_means(const Picture& picture, const Picture& fine) {
     }
   }
   return 255 * std::sqrt(sum / static_cast<double>(picture.rgba.size()));
+}
+
+/// Views with more than one ray a pixel.
+TEST(ZoomedOut, PicturesByRaysAreTheMeansOfTheirPixels) {
+  int coarse = 0;
+  for (std::uint32_t number = 0; number < 60; ++number) {
+    RandomScene scene = random_scene(number);
+    for (StructureDraw& draw : scene.selection.structures) {
+      if (draw.mode != DrawMode::kOff) draw.mode = DrawMode::kVolume;
+    }
+    scene.content.values = {};  // the reference knows no post-classification
+    scene.options.classification = Classification::kAfter;
+    scene.options.quality = Quality::kHigh;
+    scene.options.size = {12, 10};
+    scene.options.termination_threshold = 0;
+    const ParallelView view = *parallel_view(scene.camera, scene.options.size, scene.content.display);
+    const double voxel_pixels = factorise(view, storage_grid(scene.content)).narrow_voxel_pixels();
+    if (voxel_pixels >= 1 || voxel_pixels < 0.05) continue;
+    const auto samples = static_cast<int>(std::ceil(1.5 / voxel_pixels));
+    SCOPED_TRACE(testing::Message() << number << ": " << samples << " rays, " << describe(scene));
+    Renderer renderer = renderer_of(scene.content, scene.selection);
+    const Frame frame = frame_or_throw(renderer, scene.camera, scene.options, scene.overrides);
+    if (frame.stats.voxels_visited == 0) continue;
+    ++coarse;
+    const reference::ReferencePicture truth =
+        reference::render_mean_truth({scene.content, scene.selection, scene.camera, scene.options}, samples);
+    EXPECT_LE(255 * reference::difference(frame.picture, truth).rms, 0.1);
+  }
+  EXPECT_GT(coarse, 10);
+}
+
+/// A translucent plane across a noisy volume: rays of a pixel meet it at one depth.
+TEST(ZoomedOut, VolumesAroundSurfacesAreMeansByRays) {
+  TestVolume volume;
+  volume.grid.size = {40, 40, 40};
+  SurfaceMesh plane;
+  plane.positions_ijk = {{0, 19.5f, 0}, {39, 19.5f, 0}, {0, 19.5f, 39}, {39, 19.5f, 39}};
+  plane.normals_lps.assign(4, {0, 1, 0});
+  plane.triangles = {{0, 1, 2}, {1, 3, 2}};
+  volume.structures = {
+      {"noise",
+       make_mask(volume.grid.size, [](auto i, auto, auto k) { return (i * 7919 + k * 1299709) % 7 < 3; })},
+      {"plane", {}, {0, 0, 255}, {}, plane}};
+  const AtlasContent content = make_content(volume);
+  const Selection selection =
+      selection_of("noise:volume(opacity=0.05) + plane:surface(opacity=0.4)", content.graph);
+  const Camera camera{.azimuth_deg = 2, .elevation_deg = 1, .zoom = zoom_for(content.display, 8, 4)};
+  const RenderOptions options{.size = {8, 8},
+                              .quality = Quality::kHigh,
+                              .hybrid_shading = false,
+                              .antialiasing = false,
+                              .termination_threshold = 0};
+  const Picture picture = render_or_throw(content, selection, camera, options);
+  const reference::ReferencePicture truth =
+      reference::render_mean_truth({content, selection, camera, options}, 6);
+  EXPECT_LE(255 * reference::difference(picture, truth).rms, 0.2);
+}
+
+/// The structure of a pixel is that of its mean: of four columns of voxels a pixel, three are of one.
+TEST(ZoomedOut, IdsByRaysAreThoseOfTheMeans) {
+  TestVolume volume;
+  volume.grid.size = {32, 32, 32};
+  const auto is_thin = [](std::int64_t i, auto, auto) { return i % 4 == 1; };
+  volume.structures = {
+      {"thin", make_mask(volume.grid.size, is_thin)},
+      {"thick", make_mask(volume.grid.size, [&](auto i, auto j, auto k) { return !is_thin(i, j, k); })}};
+  const AtlasContent content = make_content(volume);
+  const Selection selection = selection_of("*:volume(opacity=0.1)", content.graph);
+  Renderer renderer = renderer_of(content, selection);
+  const Camera camera{.zoom = zoom_for(content.display, 8, 4)};
+  const RenderOptions options{.size = {8, 8}, .classification = Classification::kAfter, .ids = true};
+  const Frame frame = *renderer.render(camera, options);
+  ASSERT_TRUE(frame.stats.rays);
+  for (int x = 1; x < 7; ++x) EXPECT_EQ(frame.ids.at(x, 4), content.graph.find("thick")->front()) << x;
 }
 
 TEST(ZoomedOut, NormalPicturesOfVolumesAreTheMeansOfTheirPixels) {

@@ -62,13 +62,15 @@ class IdChecker {
     return 1;
   }
 
-  std::optional<Frame> render(const RenderOptions& options, unsigned threads) {
+  std::optional<Frame> render(const RenderOptions& options, unsigned threads, bool one_ray = false) {
     Renderer renderer(atlas_, RendererOptions{.threads = threads});
     if (const auto selected = renderer.select(scene_.selection); !selected) {
       fault("select: " + selected.error().message);
       return std::nullopt;
     }
-    auto frame = render_with(renderer, scene_.camera, options, scene_.overrides);
+    RenderOverrides overrides = scene_.overrides;
+    overrides.one_ray = one_ray;
+    auto frame = render_with(renderer, scene_.camera, options, overrides);
     if (frame) return *std::move(frame);
     if (frame.error().message.find("too wide for surfaces") == std::string::npos)
       fault("render: " + frame.error().message);
@@ -121,7 +123,7 @@ class IdChecker {
   /// Compares rays at high quality with the shares along the rays of pixel centres.
   void compare_rays(RenderOptions options) {
     options.quality = Quality::kHigh;
-    const auto frame = render(options, 1);
+    const auto frame = render(options, 1, true);
     if (!frame) return;
     Shares shares(scene_.selection.structures.size());
     std::vector<bool> is_known(frame->ids.numbers.size(), true);

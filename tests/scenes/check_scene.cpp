@@ -282,11 +282,13 @@ class Checker {
 
   void check_rays(RenderOptions options) {
     options.quality = Quality::kHigh;
-    const auto picture = render(options, 1);
+    RenderOverrides overrides = scene_.overrides;
+    overrides.one_ray = true;
+    const auto picture = render(options, 1, overrides);
     if (!picture) return;
     check_range(*picture);
     options.antialiasing = true;
-    const auto antialiased = render(options, 1);
+    const auto antialiased = render(options, 1, overrides);
     if (stats_.triangles == 0 && options.cuts.empty() && antialiased && antialiased->rgba != picture->rgba) {
       fault("antialiasing changes a volume");
     }

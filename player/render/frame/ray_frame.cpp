@@ -16,17 +16,28 @@
 namespace splatlas {
 namespace {
 
-/// Steps per slab and error tolerance of ray marching at the quality of the options.
-CastOptions cast_options(const RenderOptions& options, const RenderOverrides& overrides) {
-  CastOptions cast{.termination_threshold = termination_threshold(options),
-                   .principal_axis = overrides.principal_axis};
-  switch (options.quality) {
+/// Rays per pixel along each axis: `per_voxel` or more per voxel where pixels are coarser than voxels.
+int samples_of(const FrameScene& scene, const Grid& grid, double per_voxel) {
+  constexpr double kMost = 32;
+  const double voxel_pixels = factorise(scene.view.plane, grid).narrow_voxel_pixels();
+  return voxel_pixels < 1 && !scene.overrides.one_ray
+             ? static_cast<int>(std::ceil(std::min(per_voxel / voxel_pixels, kMost)))
+             : 1;
+}
+
+/// Rays per pixel, and steps per slab and error tolerance of ray marching at the quality of the options.
+CastOptions cast_options(const FrameScene& scene, const Grid& grid) {
+  CastOptions cast{.termination_threshold = termination_threshold(scene.options),
+                   .principal_axis = scene.overrides.principal_axis};
+  switch (scene.options.quality) {
     case Quality::kDraft: break;
     case Quality::kNormal:
+      cast.samples = samples_of(scene, grid, 1);
       cast.max_steps = 32;
       cast.tolerance = 0.054f;
       break;
     case Quality::kHigh:
+      cast.samples = samples_of(scene, grid, 1.5);
       cast.min_steps = 8;
       cast.max_steps = 64;
       cast.tolerance = 0.0046f;
@@ -42,7 +53,7 @@ RayFrame::RayFrame(const FrameScene& scene, const RayScene& of_volume, FrameBuff
     : FrameRenderer(scene, buffers, stats, pool),
       of_volume_(of_volume),
       kernels_(scene.overrides.simd ? best_march() : scalar_march()),
-      options_(cast_options(scene.options, scene.overrides)) {}
+      options_(cast_options(scene, of_volume.grid)) {}
 
 Result<RasterScene> RayFrame::raster_scene_of_view() const {
   return raster_scene_of_rays(scene_.surfaces, scene_.view, scene_.grid, scene_.lighting);
@@ -105,13 +116,13 @@ bool needs_rays(const View& view, const RenderOptions& options) {
   return view.eye_mm || options.classification == Classification::kAfter;
 }
 
-bool gains_by_rays(const View& view, const RenderOptions& options, const Grid& grid) {
+bool gains_by_rays(const View& view, const RenderOptions& options) {
   constexpr double kEdgeOn = 0.01;
   const auto is_along_view = [&](const CutPlane& cut) {
     const auto& [x, y, z] = cut.normal_lps;
     return std::abs(dot(cut.normal_lps, view.plane.forward_lps)) < kEdgeOn * std::hypot(x, y, z);
   };
-  return options.quality == Quality::kHigh && factorise(view.plane, grid).voxel_pixels() >= 1 &&
+  return options.quality == Quality::kHigh &&
          std::none_of(options.cuts.begin(), options.cuts.end(), is_along_view);
 }
 

@@ -42,8 +42,7 @@ class RayFrame : public FrameRenderer {
 
 /// True for pictures that sheets cannot draw.
 [[nodiscard]] bool needs_rays(const View& view, const RenderOptions& options);
-/// True for pictures of volumes that are better by rays. Rays alias where pixels are coarser than voxels, and
-/// at planes along the view.
-[[nodiscard]] bool gains_by_rays(const View& view, const RenderOptions& options, const Grid& grid);
+/// True for pictures of volumes that are better by rays. Rays alias at planes along the view.
+[[nodiscard]] bool gains_by_rays(const View& view, const RenderOptions& options);
 
 }  // namespace splatlas

@@ -18,6 +18,7 @@ struct RenderOverrides {
   /// Principal axis of the shear-warp factorisation, and of rays within kMaxForcedSlope; other rays keep
   /// their best axis. Not set: the best axis of the view, or of each ray.
   std::optional<Axis> principal_axis = std::nullopt;
+  bool one_ray = false;  ///< rays: one through the centre of each pixel, however small voxels are
 };
 
 /// Shear-warp factorisation of a view. kUsage when it runs along the slices of a forced axis.

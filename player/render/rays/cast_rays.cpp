@@ -50,78 +50,98 @@ PixelBox shown_box(const RayVolume& volume, const View& view, const Grid& grid) 
           pixel(std::ceil(bottom + kRounding) + 1, size.height)};
 }
 
-/// Finds the structures of a block of pixels.
-void store_ids(int left, int top, const RayShares& shares, const CastOptions& options) {
-  IdImage& ids = *options.ids;
-  PixelShares sum;
-  for (int row = top; row < std::min(top + kBlockSide, ids.size.height); ++row) {
-    for (int column = left; column < std::min(left + kBlockSide, ids.size.width); ++column) {
-      const auto pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(ids.size.width) +
-                         static_cast<std::size_t>(column);
-      const PixelShares& volume =
-          shares.of_ray(static_cast<std::size_t>((row - top) * kBlockSide + column - left));
-      const RayFaces faces = options.faces != nullptr ? options.faces->at(pixel) : RayFaces{};
-      sum.clear();
-      if (faces.show()) sum.add_between(faces, volume, 1);
-      ids.numbers[pixel] = faces.show() ? sum.largest() : volume.largest();
-    }
+/// Casts the rays of blocks of pixels. Not thread-safe.
+class BlockCaster {
+ public:
+  /// References must outlive this object.
+  BlockCaster(const RayVolume& volume, const PixelRays& rays, const MarchScene& scene,
+              const CastOptions& options, const MarchKernels& kernels, Picture& picture)
+      : volume_(volume), rays_(rays), scene_(scene), options_(options), kernels_(kernels), picture_(picture) {
+    if (options.ids != nullptr) shares_.emplace(volume);
   }
-}
 
-/// Ends the rays of a block of pixels at surfaces, and those behind opaque faces where they begin.
-void end_rays(int left, int top, const PictureSize& size, const CastOptions& options, const Index3& first,
-              RayPacket& packet) {
-  for (int n = 0; n < kBlockSide * kBlockSide; ++n) {
-    const int x = std::min(left + n % kBlockSide, size.width - 1);
-    const int y = std::min(top + n / kBlockSide, size.height - 1);
-    const std::size_t pixel =
-        static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) + static_cast<std::size_t>(x);
-    const auto ray = static_cast<std::size_t>(n);
-    if (options.faces != nullptr && options.faces->hides(pixel)) packet.to[ray] = packet.from[ray];
-    if (options.ends == nullptr) continue;
-    const auto& [depths, scene] = *options.ends;
-    const std::size_t axis = scene.depth_axis;
-    const double place =
-        scene.depth_sign * static_cast<double>(depths[pixel]) - static_cast<double>(first[axis]);
-    packet.to[ray] = std::min(packet.to[ray], t_at(packet, ray, axis, place));
-  }
-}
-
-/// Casts the rays of a block of pixels. `shares`: null without ids.
-void render_block(int left, int top, const PixelRays& rays, const RayVolume& volume, const MarchScene& scene,
-                  const CastOptions& options, const MarchKernels& kernels, RayShares* shares,
-                  Picture& picture) {
-  check_task();
-  const RayPoints points = block_centers(left, top, picture.size);
-  RayPacket packet = rays.through(points);
-  if (options.cuts != nullptr) rays.clip(*options.cuts, points, packet);
-  if (options.ends != nullptr || options.faces != nullptr)
-    end_rays(left, top, picture.size, options, volume.first(), packet);
-  RadiancePacket radiance;
-  if (shares != nullptr) {
-    shares->begin(packet);
-    radiance.trace = shares->trace();
-  }
-  kernels.march(scene, packet, radiance);
-  if (shares != nullptr) {
-    shares->take();
-    store_ids(left, top, *shares, options);
-  }
-  const int columns = std::min(kBlockSide, picture.size.width - left);
-  const int rows = std::min(kBlockSide, picture.size.height - top);
-  for (int row = 0; row < rows; ++row) {
-    float* out =
-        &picture
-             .rgba[4 * (static_cast<std::size_t>(top + row) * static_cast<std::size_t>(picture.size.width) +
-                        static_cast<std::size_t>(left))];
-    for (int column = 0; column < columns; ++column) {
-      const std::size_t n = static_cast<std::size_t>(row) * kBlockSide + static_cast<std::size_t>(column);
+  void render(int left, int top) {
+    const RayBlock block{left, top, options_.samples};
+    rgba_ = {};
+    for (PixelShares& shares : of_pixels_) shares.clear();
+    for (int packet = 0; packet < block.packets(); ++packet) cast(block, packet);
+    const float weight = 1.0f / static_cast<float>(block.packets());
+    for (std::size_t n = 0; n < kPacketRays; ++n) {
+      const int x = left + static_cast<int>(n) % kBlockSide, y = top + static_cast<int>(n) / kBlockSide;
+      if (x >= picture_.size.width || y >= picture_.size.height) continue;
+      const std::size_t pixel = pixel_at(x, y);
       // Without ends, the picture is empty
-      const float transmittance = 1 - radiance.planes[3][n];
-      for (std::size_t c = 0; c < 4; ++c, ++out) *out = radiance.planes[c][n] + transmittance * *out;
+      const float transmittance = 1 - weight * rgba_[n][3];
+      for (std::size_t c = 0; c < 4; ++c) {
+        float& out = picture_.rgba[4 * pixel + c];
+        out = weight * rgba_[n][c] + transmittance * out;
+      }
+      if (shares_) store_id(pixel, of_pixels_[n], weight);
     }
   }
-}
+
+ private:
+  [[nodiscard]] std::size_t pixel_at(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(picture_.size.width) +
+           static_cast<std::size_t>(x);
+  }
+
+  void cast(const RayBlock& block, int number) {
+    check_task();
+    const RayPoints points = block.points(number, picture_.size);
+    RayPacket packet = rays_.through(points);
+    if (options_.cuts != nullptr) rays_.clip(*options_.cuts, points, packet);
+    if (options_.ends != nullptr || options_.faces != nullptr) end(points, packet);
+    RadiancePacket radiance;
+    if (shares_) {
+      shares_->begin(packet);
+      radiance.trace = shares_->trace();
+    }
+    kernels_.march(scene_, packet, radiance);
+    if (shares_) shares_->take();
+    for (std::size_t n = 0; n < kPacketRays; ++n) {
+      const std::size_t pixel = block.pixel(number, n);
+      for (std::size_t c = 0; c < 4; ++c) rgba_[pixel][c] += radiance.planes[c][n];
+      if (shares_) of_pixels_[pixel].add(shares_->of_ray(n), 1);
+    }
+  }
+
+  /// Ends the rays of a packet at surfaces, and those behind opaque faces where they begin.
+  void end(const RayPoints& points, RayPacket& packet) const {
+    for (std::size_t n = 0; n < kPacketRays; ++n) {
+      const std::size_t pixel = pixel_at(static_cast<int>(points.x[n]), static_cast<int>(points.y[n]));
+      if (options_.faces != nullptr && options_.faces->hides(pixel)) packet.to[n] = packet.from[n];
+      if (options_.ends == nullptr) continue;
+      const auto& [depths, scene] = *options_.ends;
+      const std::size_t axis = scene.depth_axis;
+      const double place =
+          scene.depth_sign * static_cast<double>(depths[pixel]) - static_cast<double>(volume_.first()[axis]);
+      packet.to[n] = std::min(packet.to[n], t_at(packet, n, axis, place));
+    }
+  }
+
+  /// Finds the structure of a pixel. `volume`: sums over its rays.
+  void store_id(std::size_t pixel, const PixelShares& volume, float weight) {
+    const RayFaces faces = options_.faces != nullptr ? options_.faces->at(pixel) : RayFaces{};
+    mean_.clear();
+    mean_.add(volume, weight);
+    sum_.clear();
+    if (faces.show()) sum_.add_between(faces, mean_, 1);
+    options_.ids->numbers[pixel] = faces.show() ? sum_.largest() : mean_.largest();
+  }
+
+  const RayVolume& volume_;
+  const PixelRays& rays_;
+  const MarchScene& scene_;
+  const CastOptions& options_;
+  const MarchKernels& kernels_;
+  Picture& picture_;
+  std::optional<RayShares> shares_;  // with ids
+  // Of the pixels of the current block: sums over their rays
+  std::array<std::array<float, 4>, kPacketRays> rgba_{};
+  std::array<PixelShares, kPacketRays> of_pixels_;
+  PixelShares mean_, sum_;
+};
 
 /// Casts the rays of all blocks that may show the volume.
 void cast_blocks(const RayVolume& volume, const View& view, const Grid& grid, const CastOptions& options,
@@ -137,11 +157,9 @@ void cast_blocks(const RayVolume& volume, const View& view, const Grid& grid, co
     const int top = shown.top + static_cast<int>(n / static_cast<std::size_t>(columns)) * kTileSide;
     const int right = std::min(left + kTileSide, shown.right);
     const int bottom = std::min(top + kTileSide, shown.bottom);
-    std::optional<RayShares> shares;
-    if (options.ids != nullptr) shares.emplace(volume);
+    BlockCaster caster(volume, rays, scene, options, kernels, picture);
     for (int y = top; y < bottom; y += kBlockSide) {
-      for (int x = left; x < right; x += kBlockSide)
-        render_block(x, y, rays, volume, scene, options, kernels, shares ? &*shares : nullptr, picture);
+      for (int x = left; x < right; x += kBlockSide) caster.render(x, y);
     }
   });
 }

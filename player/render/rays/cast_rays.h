@@ -1,4 +1,4 @@
-// Ray casting: one ray through the centre of every pixel, in either projection.
+// Ray casting, in either projection.
 #pragma once
 
 #include <optional>
@@ -23,6 +23,7 @@ struct RayEnds {
 
 /// Sampling of rays.
 struct CastOptions {
+  int samples = 1;                   ///< rays per pixel along each axis; the volume is their mean
   int min_steps = 1, max_steps = 1;  ///< per slab, the space between two planes of voxels
   float tolerance = 0;               ///< error bound of a step (MarchKernels::march); 0: always min_steps
   float termination_threshold = 0;   ///< early ray termination; also bounds the error of a value
@@ -41,7 +42,7 @@ struct CastOptions {
 
 /// Renders the volume. Each ray is sampled at the planes of voxels normal to its principal axis, and in
 /// between as the tolerance requires. In perspective it begins at the eye, which may lie inside the volume.
-/// Blocks of 4x4 pixels form a packet. Pictures do not depend on the number of threads.
+/// Packets are 4x4 neighbouring rays. Pictures do not depend on the number of threads.
 void cast_rays(const RayVolume& volume, const View& view, const Grid& grid, const CastOptions& options,
                const MarchKernels& kernels, Picture& picture, ThreadPool& pool);
 

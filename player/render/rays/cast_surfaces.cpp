@@ -17,7 +17,8 @@ namespace {
 
 constexpr std::size_t kPacketsPerJob = 16;
 
-/// The rays of up to kPacketRays samples, with the radiance composited so far.
+/// The rays of up to kPacketRays samples, with the radiance composited so far. Where a pixel has several
+/// rays, those of a sample are spread over its part of the pixel, and meet its fragments at their depths.
 class SamplePacket {
  public:
   /// `shares`: null without ids.
@@ -31,14 +32,27 @@ class SamplePacket {
         first_(first),
         count_(std::min(kPacketRays, list.sample_count() - first)) {}
 
+  /// Rays per sample along each axis, for so many per pixel.
+  [[nodiscard]] int rays_per_sample(int per_pixel) const {
+    for (std::size_t n = 0; n < count_; ++n) {
+      if (part_of_pixel(n) == 1) return per_pixel;
+    }
+    return (per_pixel + 1) / 2;
+  }
+  /// Composites the ray in column and row (`x`, `y`) of a grid of `rays_per_sample` rays of each sample.
   void render(const PixelRays& rays, const CutRays* cuts, int width, const RasterScene& scene,
-              Radiance* out) {
+              int rays_per_sample, int x, int y) {
     RayPoints points;
     for (std::size_t n = 0; n < kPacketRays; ++n) {
-      const Sample& sample = list_.samples[first_ + std::min(n, count_ - 1)];
-      points.x[n] = sample.x(width);
-      points.y[n] = sample.y(width);
+      const std::size_t number = std::min(n, count_ - 1);
+      const Sample& sample = list_.samples[first_ + number];
+      const auto shift = [&](int place) {
+        return part_of_pixel(number) * ((place + 0.5) / rays_per_sample - 0.5);
+      };
+      points.x[n] = sample.x(width) + shift(x);
+      points.y[n] = sample.y(width) + shift(y);
     }
+    radiance_ = {};
     packet_ = rays.through(points);
     if (cuts != nullptr) rays.clip(*cuts, points, packet_);
     if (shares_ != nullptr) {
@@ -56,18 +70,27 @@ class SamplePacket {
     }
     for (std::size_t layer = 0; layer < layers; ++layer) pass_layer(layer, scene);
     march_to(end_);
-    for (std::size_t n = 0; n < count_; ++n) {
-      for (std::size_t c = 0; c < 4; ++c) out[n].rgba[c] = radiance_.planes[c][n];
-      if (!list_.faces.empty()) out[n].rgba = list_.faces[first_ + n].around(out[n].rgba);
-    }
   }
-  /// Shares of structures in a sample, faces included.
+  /// Radiance of the latest ray of a sample, faces included.
+  [[nodiscard]] Radiance radiance(std::size_t n) const {
+    Radiance radiance;
+    for (std::size_t c = 0; c < 4; ++c) radiance.rgba[c] = radiance_.planes[c][n];
+    if (!list_.faces.empty()) radiance.rgba = list_.faces[first_ + n].around(radiance.rgba);
+    return radiance;
+  }
+  /// The same for shares of structures.
   void add_shares(std::size_t n, float weight, PixelShares& sum) const {
     sum.add_between(list_.faces.empty() ? RayFaces{} : list_.faces[first_ + n], shares_->of_ray(n), weight);
   }
   [[nodiscard]] std::size_t count() const { return count_; }
 
  private:
+  /// Side of the part of a pixel that a sample stands for. Patterns of several samples spare the centre.
+  [[nodiscard]] double part_of_pixel(std::size_t n) const {
+    const SubPixel& place = list_.samples[first_ + n].place;
+    return place.x == 0 && place.y == 0 ? 1 : 0.5;
+  }
+
   /// Composites the volume up to the next fragment of every ray, and the fragment.
   void pass_layer(std::size_t layer, const RasterScene& scene) {
     auto to = packet_.from;
@@ -158,9 +181,17 @@ void cast_surfaces(const RayVolume& volume, const View& view, const Grid& grid, 
     for (std::size_t first = job * kSamplesPerJob; first < last; first += kPacketRays) {
       check_task();
       SamplePacket packet(volume, march, kernels, fragments, first, of_packet ? &*of_packet : nullptr);
-      packet.render(rays, options.cuts, picture.size.width, scene, &radiances[first]);
-      if (of_packet) {
-        for (std::size_t n = 0; n < packet.count(); ++n) packet.add_shares(n, 1, shares[first + n]);
+      const int side = packet.rays_per_sample(options.samples);
+      const float weight = 1.0f / static_cast<float>(side * side);
+      for (int ray = 0; ray < side * side; ++ray) {
+        packet.render(rays, options.cuts, picture.size.width, scene, side, ray % side, ray / side);
+        for (std::size_t n = 0; n < packet.count(); ++n) {
+          radiances[first + n] += packet.radiance(n);
+          if (of_packet) packet.add_shares(n, weight, shares[first + n]);
+        }
+      }
+      for (std::size_t n = 0; n < packet.count(); ++n) {
+        for (float& value : radiances[first + n].rgba) value *= weight;
       }
     }
   });

@@ -20,13 +20,13 @@ Affine to_place(const Grid& grid, const Index3& first) {
 
 }  // namespace
 
-RayPoints block_centers(int left, int top, const PictureSize& size) {
-  RayPoints centers;
-  for (int n = 0; n < kBlockSide * kBlockSide; ++n) {
-    centers.x[static_cast<std::size_t>(n)] = std::min(left + n % kBlockSide, size.width - 1) + 0.5;
-    centers.y[static_cast<std::size_t>(n)] = std::min(top + n / kBlockSide, size.height - 1) + 0.5;
+RayPoints RayBlock::points(int packet, const PictureSize& size) const {
+  RayPoints points;
+  for (std::size_t n = 0; n < kPacketRays; ++n) {
+    points.x[n] = (std::min(left * samples + column(packet, n), size.width * samples - 1) + 0.5) / samples;
+    points.y[n] = (std::min(top * samples + row(packet, n), size.height * samples - 1) + 0.5) / samples;
   }
-  return centers;
+  return points;
 }
 
 std::size_t principal_axis_of(const RayPacket& rays, std::size_t n) {

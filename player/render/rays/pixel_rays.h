@@ -25,8 +25,29 @@ struct RayPoints {
 inline constexpr int kBlockSide = 4;
 static_assert(std::size_t{kBlockSide} * kBlockSide == kPacketRays);
 
-/// Centres of a block of pixels, row by row. Beyond the edge of the picture they repeat its last pixel.
-[[nodiscard]] RayPoints block_centers(int left, int top, const PictureSize& size);
+/// Rays of a block of kBlockSide x kBlockSide pixels: a grid of `samples` x `samples` points in each pixel.
+/// Their kBlockSide x kBlockSide packets are numbered from 0 to samples^2 - 1.
+struct RayBlock {
+  int left = 0, top = 0;
+  int samples = 1;
+
+  [[nodiscard]] int packets() const { return samples * samples; }
+  /// Points of a packet, row by row. Beyond the edge of the picture they repeat its last ones.
+  [[nodiscard]] RayPoints points(int packet, const PictureSize& size) const;
+  /// The pixel of the n-th ray of a packet, counted row by row in the block.
+  [[nodiscard]] std::size_t pixel(int packet, std::size_t n) const {
+    return static_cast<std::size_t>(row(packet, n) / samples * kBlockSide + column(packet, n) / samples);
+  }
+
+ private:
+  /// Place of the n-th ray of a packet in the grid of the block.
+  [[nodiscard]] int column(int packet, std::size_t n) const {
+    return packet % samples * kBlockSide + static_cast<int>(n) % kBlockSide;
+  }
+  [[nodiscard]] int row(int packet, std::size_t n) const {
+    return packet / samples * kBlockSide + static_cast<int>(n) / kBlockSide;
+  }
+};
 
 /// Principal axis of a ray of a packet.
 [[nodiscard]] std::size_t principal_axis_of(const RayPacket& rays, std::size_t n);

@@ -116,7 +116,7 @@ void add_ray_depths(const RayVolume& volume, const View& view, const Grid& grid,
     const int top = static_cast<int>(band) * kBlockSide;
     for (int left = 0; left < width; left += kBlockSide) {
       check_task();
-      const RayPoints points = block_centers(left, top, depths.size);
+      const RayPoints points = RayBlock{left, top}.points(0, depths.size);
       const auto& [x, y] = points;
       RayPacket rays = pixel_rays.through(points);
       if (cuts != nullptr) pixel_rays.clip(*cuts, points, rays);

@@ -36,6 +36,11 @@ struct Shear {
     const Affine2& map = picture_to_sheet;
     return 1 / std::min(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy));
   }
+  /// The same of its smallest width.
+  [[nodiscard]] double narrow_voxel_pixels() const {
+    const Affine2& map = picture_to_sheet;
+    return 1 / std::max(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy));
+  }
   [[nodiscard]] double u_shift(double k) const { return -slope_u * (k - k_ref); }
   [[nodiscard]] double v_shift(double k) const { return -slope_v * (k - k_ref); }
 };

@@ -47,8 +47,9 @@ Camera with_eye_at(const Vec3& eye, Camera camera, const PictureSize& size, cons
   return camera;
 }
 
+/// Pixels are finer than the voxels of these scenes, so that one ray a pixel is cast.
 RenderOptions accurate(Quality quality = Quality::kNormal) {
-  return {.size = {40, 36},
+  return {.size = {80, 72},
           .quality = quality,
           .classification = Classification::kAfter,
           .hybrid_shading = false};
@@ -160,13 +161,13 @@ TEST(CastRays, AWideFieldOfViewIsSeamless) {
   const AtlasContent content = fog();
   const Selection selection = selection_of("fog:volume(opacity=0.05)", content.graph);
   RenderOptions options = accurate(Quality::kHigh);
-  options.size = {41, 41};
+  options.size = {81, 81};
   for (const double degrees : {90.0, 120.0, 170.0}) {
     const Camera camera = with_eye_at({0, 0, 0}, perspective(degrees), options.size, content.display);
     const View view = *view_of(camera, options.size, content.display);
     const Picture picture = render_or_throw(content, selection, camera, options);
-    for (int y = 0; y < 41; ++y) {
-      for (int x = 0; x < 41; ++x) {
+    for (int y = 0; y < 81; ++y) {
+      for (int x = 0; x < 81; ++x) {
         Vec3 along = reference::minus(view.plane.point_lps_mm(x + 0.5, y + 0.5), view.eye_lps_mm());
         const double max = std::max({std::abs(along[0]), std::abs(along[1]), std::abs(along[2])});
         const double per_mm = std::sqrt(reference::dot(along, along)) / max;

@@ -33,6 +33,7 @@ TEST(CastSurfaces, AreInOrderWithTheVolume) {
     const reference::ReferencePicture truth =
         reference::render_truth({scene.content, scene.selection, scene.camera, scene.options});
     scene.options.classification = Classification::kAfter;
+    scene.overrides.one_ray = true;
     Renderer renderer = renderer_of(scene.content, scene.selection);
     const Frame frame = frame_or_throw(renderer, scene.camera, scene.options, scene.overrides);
     const Picture& picture = frame.picture;
@@ -66,7 +67,7 @@ RandomScene thick_slices(const char* selection) {
                        {"needle", {}, {0, 0, 255}, {}, needle}};
   RandomScene scene{make_content(volume), {}, {}, {}};
   scene.selection = selection_of(selection, scene.content.graph);
-  scene.camera = {.elevation_deg = 83, .projection = CameraProjection::kPerspective};
+  scene.camera = {.elevation_deg = 83, .zoom = 2.5, .projection = CameraProjection::kPerspective};
   scene.options = {.size = {40, 30},
                    .quality = Quality::kHigh,
                    .hybrid_shading = false,
