@@ -73,7 +73,7 @@ class Renderer {
   ///
   /// Cost:
   ///   - sheets: selected voxels in view * sheet pixels per voxel * slabs per slice
-  ///   - rays: pixels * steps through non-empty bricks
+  ///   - rays: pixels * rays per pixel * steps through non-empty bricks
   ///   - both: selected triangles and pixels; once per selection also the runs in its bounding box
   [[nodiscard]] Result<Frame> render(const Camera& camera, const RenderOptions& options = {},
                                      const RenderControl& control = {});

@@ -19,6 +19,6 @@ check() {
 }
 
 check product 62600 format preprocess player schemas
-check tests 50080 tests
+check tests 50120 tests
 check bench 8510 bench
 exit "$bad"

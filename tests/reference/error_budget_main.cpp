@@ -1,4 +1,5 @@
 // splatlas-error-budget: the error budget of docs/renderer.md, measured per approximation.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -48,7 +49,8 @@ void measure(const StandardScene& scene) {
     const ReferencePicture truth = render_truth(frame);
     // Where pixels are coarser than voxels, high quality shows means of volumes
     const ParallelView view = *parallel_view(camera, kSize, scene.content.display);
-    const bool is_coarse = factorise(view, storage_grid(scene.content)).narrow_voxel_pixels() < 1;
+    const bool is_coarse =
+        std::ranges::max(factorise(view, storage_grid(scene.content)).voxels_per_pixel()) > 1;
     const bool has_surfaces = !renderer.atlas().tree().plan(scene.selection).surfaces.empty();
     const ReferencePicture mean = is_coarse && !has_surfaces ? render_mean_truth(frame, 8) : truth;
     for (std::size_t q = 0; q < 3; ++q) {

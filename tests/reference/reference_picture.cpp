@@ -148,16 +148,16 @@ ReferencePicture render_truth(const ReferenceScene& scene) {
   return render_mean_truth(scene, 1);
 }
 
-ReferencePicture render_mean_truth(const ReferenceScene& scene, int n) {
+ReferencePicture render_mean_truth(const ReferenceScene& scene, int columns, int rows) {
   const Setup setup(scene);
   const SurfacesInView surfaces(scene.content, scene.selection, setup.view, setup.principal,
                                 Coverage::kExact);
   return render(scene.options.size, [&](int column, int row) {
     RayRadiance mean{{0, 0, 0}, 0};
-    for (int place = 0; place < n * n; ++place) {
-      const double x = column + (place % n + 0.5) / n;
-      const double y = row + (place / n + 0.5) / n;
-      mean.add_weighted(1.0 / (n * n), truth_at(setup, surfaces, x, y));
+    for (int place = 0; place < columns * rows; ++place) {
+      const double x = column + (place % columns + 0.5) / columns;
+      const double y = row + (place / columns + 0.5) / rows;
+      mean.add_weighted(1.0 / (columns * rows), truth_at(setup, surfaces, x, y));
     }
     return mean;
   });

@@ -34,8 +34,11 @@ struct ReferenceScene {
 /// Ground truth: the trilinear field of the selected voxels along the ray of each pixel centre, with every
 /// surface at its crossing.
 [[nodiscard]] ReferencePicture render_truth(const ReferenceScene& scene);
-/// Ground truth averaged over n * n rays per pixel.
-[[nodiscard]] ReferencePicture render_mean_truth(const ReferenceScene& scene, int n);
+/// Ground truth averaged over a grid of rays in each pixel.
+[[nodiscard]] ReferencePicture render_mean_truth(const ReferenceScene& scene, int columns, int rows);
+[[nodiscard]] inline ReferencePicture render_mean_truth(const ReferenceScene& scene, int n) {
+  return render_mean_truth(scene, n, n);
+}
 
 /// The discrete model, without antialiasing (see DiscreteModel).
 [[nodiscard]] ReferencePicture render_model(const ReferenceScene& scene);

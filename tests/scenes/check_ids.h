@@ -19,7 +19,7 @@ struct IdReport {
 ///   - pictures with and without ids: equal bits;
 ///   - ids of 1, 2 and 8 threads: equal;
 ///   - each pixel's share in the reference is at least the largest one less 1e-3. References are the discrete
-///     model for sheets, also of antialiased pixels, and exact rays for rays at high quality.
+///     model for sheets, also of antialiased pixels, and exact rays for rays at high quality, one a pixel.
 [[nodiscard]] IdReport check_ids(const RandomScene& scene);
 
 }  // namespace splatlas

@@ -16,13 +16,16 @@
 namespace splatlas {
 namespace {
 
-/// Rays per pixel along each axis: `per_voxel` or more per voxel where pixels are coarser than voxels.
-int samples_of(const FrameScene& scene, const Grid& grid, double per_voxel) {
-  constexpr double kMost = 32;
-  const double voxel_pixels = factorise(scene.view.plane, grid).narrow_voxel_pixels();
-  return voxel_pixels < 1 && !scene.overrides.one_ray
-             ? static_cast<int>(std::ceil(std::min(per_voxel / voxel_pixels, kMost)))
-             : 1;
+/// The rays of a pixel: `per_voxel` or more per voxel, along each axis on which pixels are coarser than
+/// voxels.
+RayGrid rays_of_pixel(const FrameScene& scene, const Grid& grid, double per_voxel) {
+  if (scene.overrides.one_ray) return {};
+  const auto [along_width, along_height] = factorise(scene.view.plane, grid).voxels_per_pixel();
+  const auto rays = [per_voxel](double voxels) {
+    constexpr double kMost = 32;
+    return voxels > 1 ? static_cast<int>(std::ceil(std::min(per_voxel * voxels, kMost))) : 1;
+  };
+  return {rays(along_width), rays(along_height)};
 }
 
 /// Rays per pixel, and steps per slab and error tolerance of ray marching at the quality of the options.
@@ -32,12 +35,12 @@ CastOptions cast_options(const FrameScene& scene, const Grid& grid) {
   switch (scene.options.quality) {
     case Quality::kDraft: break;
     case Quality::kNormal:
-      cast.samples = samples_of(scene, grid, 1);
+      cast.rays = rays_of_pixel(scene, grid, 1);
       cast.max_steps = 32;
       cast.tolerance = 0.054f;
       break;
     case Quality::kHigh:
-      cast.samples = samples_of(scene, grid, 1.5);
+      cast.rays = rays_of_pixel(scene, grid, 1.5);
       cast.min_steps = 8;
       cast.max_steps = 64;
       cast.tolerance = 0.0046f;

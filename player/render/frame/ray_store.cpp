@@ -17,8 +17,12 @@ Result<void> RayStore::require(const View& view, const RenderOptions& options, c
                : 0;
   if (level_ == 0 || (means_ && means_level_ == level_)) return {};
   means_.reset();
-  SPLATLAS_ASSIGN_OR_RETURN(means_, volume_->means(runs, level_, pool));
-  means_level_ = level_;
+  if (auto means = volume_->means(runs, level_, pool)) {
+    means_ = *std::move(means);
+    means_level_ = level_;
+  } else {
+    level_ = 0;
+  }
   return {};
 }
 

@@ -33,7 +33,7 @@ class RayStore {
                                     ThreadPool& pool);
   /// Records the times of the latest frame.
   void took(const RenderStats& stats, const RenderOptions& options) {
-    if (!by_blocks_) pace_.took(stats, options);
+    if (!by_blocks_ && options.classification == Classification::kBefore) pace_.took(stats, options);
   }
   /// Drops the volume. Does not throw.
   void clear();

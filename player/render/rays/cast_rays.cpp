@@ -6,14 +6,13 @@
 
 #include "format/tasks/task_control.h"
 #include "player/render/clip/cut_faces.h"
-#include "player/render/rays/pixel_rays.h"
 #include "player/render/rays/ray_shares.h"
 #include "player/render/view/view_frame.h"
 
 namespace splatlas {
 namespace {
 
-constexpr int kTileSide = 32;  // pixels, the unit of work of a thread
+constexpr int kTileRays = 32;  // the unit of work of a thread, along each axis
 
 /// Pixels of the picture.
 struct PixelBox {
@@ -61,11 +60,11 @@ class BlockCaster {
   }
 
   void render(int left, int top) {
-    const RayBlock block{left, top, options_.samples};
+    const RayBlock block{left, top, options_.rays};
     rgba_ = {};
     for (PixelShares& shares : of_pixels_) shares.clear();
-    for (int packet = 0; packet < block.packets(); ++packet) cast(block, packet);
-    const float weight = 1.0f / static_cast<float>(block.packets());
+    for (int packet = 0; packet < block.grid.count(); ++packet) cast(block, packet);
+    const float weight = 1.0f / static_cast<float>(block.grid.count());
     for (std::size_t n = 0; n < kPacketRays; ++n) {
       const int x = left + static_cast<int>(n) % kBlockSide, y = top + static_cast<int>(n) / kBlockSide;
       if (x >= picture_.size.width || y >= picture_.size.height) continue;
@@ -122,12 +121,15 @@ class BlockCaster {
 
   /// Finds the structure of a pixel. `volume`: sums over its rays.
   void store_id(std::size_t pixel, const PixelShares& volume, float weight) {
+    StructureNumber& number = options_.ids->numbers[pixel];
     const RayFaces faces = options_.faces != nullptr ? options_.faces->at(pixel) : RayFaces{};
+    number = volume.largest();
+    if (!faces.show()) return;
     mean_.clear();
     mean_.add(volume, weight);
     sum_.clear();
-    if (faces.show()) sum_.add_between(faces, mean_, 1);
-    options_.ids->numbers[pixel] = faces.show() ? sum_.largest() : mean_.largest();
+    sum_.add_between(faces, mean_, 1);
+    number = sum_.largest();
   }
 
   const RayVolume& volume_;
@@ -149,14 +151,16 @@ void cast_blocks(const RayVolume& volume, const View& view, const Grid& grid, co
   const PixelRays rays(view, grid, volume.first(), options.principal_axis);
   const MarchScene scene = march_scene(volume, options);
   const PixelBox shown = shown_box(volume, view, grid);
-  const int columns = (shown.right - shown.left + kTileSide - 1) / kTileSide;
-  const int rows = (shown.bottom - shown.top + kTileSide - 1) / kTileSide;
+  const auto side = [](int of_pixel) { return std::max(kTileRays / of_pixel / kBlockSide, 1) * kBlockSide; };
+  const int width = side(options.rays.columns), height = side(options.rays.rows);  // of a tile
+  const int columns = (shown.right - shown.left + width - 1) / width;
+  const int rows = (shown.bottom - shown.top + height - 1) / height;
   if (columns <= 0 || rows <= 0) return;
   pool.for_each(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), [&](std::size_t n) {
-    const int left = shown.left + static_cast<int>(n % static_cast<std::size_t>(columns)) * kTileSide;
-    const int top = shown.top + static_cast<int>(n / static_cast<std::size_t>(columns)) * kTileSide;
-    const int right = std::min(left + kTileSide, shown.right);
-    const int bottom = std::min(top + kTileSide, shown.bottom);
+    const int left = shown.left + static_cast<int>(n % static_cast<std::size_t>(columns)) * width;
+    const int top = shown.top + static_cast<int>(n / static_cast<std::size_t>(columns)) * height;
+    const int right = std::min(left + width, shown.right);
+    const int bottom = std::min(top + height, shown.bottom);
     BlockCaster caster(volume, rays, scene, options, kernels, picture);
     for (int y = top; y < bottom; y += kBlockSide) {
       for (int x = left; x < right; x += kBlockSide) caster.render(x, y);

@@ -10,6 +10,7 @@
 #include "player/render/clip/cut_rays.h"
 #include "player/render/clip/face_layer.h"
 #include "player/render/rays/march_kernels.h"
+#include "player/render/rays/pixel_rays.h"
 #include "player/render/rays/volume/ray_volume.h"
 #include "player/render/surfaces/raster_scene.h"
 
@@ -23,7 +24,7 @@ struct RayEnds {
 
 /// Sampling of rays.
 struct CastOptions {
-  int samples = 1;                   ///< rays per pixel along each axis; the volume is their mean
+  RayGrid rays{};                    ///< in each pixel; the volume is their mean
   int min_steps = 1, max_steps = 1;  ///< per slab, the space between two planes of voxels
   float tolerance = 0;               ///< error bound of a step (MarchKernels::march); 0: always min_steps
   float termination_threshold = 0;   ///< early ray termination; also bounds the error of a value

@@ -15,7 +15,7 @@
 namespace splatlas {
 namespace {
 
-constexpr std::size_t kPacketsPerJob = 16;
+constexpr std::size_t kRaysPerJob = 256;
 
 /// The rays of up to kPacketRays samples, with the radiance composited so far. Where a pixel has several
 /// rays, those of a sample are spread over its part of the pixel, and meet its fragments at their depths.
@@ -32,25 +32,25 @@ class SamplePacket {
         first_(first),
         count_(std::min(kPacketRays, list.sample_count() - first)) {}
 
-  /// Rays per sample along each axis, for so many per pixel.
-  [[nodiscard]] int rays_per_sample(int per_pixel) const {
-    for (std::size_t n = 0; n < count_; ++n) {
-      if (part_of_pixel(n) == 1) return per_pixel;
-    }
-    return (per_pixel + 1) / 2;
+  /// The rays of each sample, given those of a pixel: half of them along each axis if it has several samples.
+  [[nodiscard]] RayGrid rays_of_samples(const RayGrid& of_pixel) const {
+    double part = 0;
+    for (std::size_t n = 0; n < count_; ++n) part = std::max(part, part_of_pixel(n));
+    if (part == 0) return {};
+    if (part == 1) return of_pixel;
+    return {(of_pixel.columns + 1) / 2, (of_pixel.rows + 1) / 2};
   }
-  /// Composites the ray in column and row (`x`, `y`) of a grid of `rays_per_sample` rays of each sample.
+  /// Composites a ray of each sample, given its number in their grid.
   void render(const PixelRays& rays, const CutRays* cuts, int width, const RasterScene& scene,
-              int rays_per_sample, int x, int y) {
+              const RayGrid& grid, int number) {
+    const double right = (number % grid.columns + 0.5) / grid.columns - 0.5;
+    const double down = (number / grid.columns + 0.5) / grid.rows - 0.5;
     RayPoints points;
     for (std::size_t n = 0; n < kPacketRays; ++n) {
-      const std::size_t number = std::min(n, count_ - 1);
-      const Sample& sample = list_.samples[first_ + number];
-      const auto shift = [&](int place) {
-        return part_of_pixel(number) * ((place + 0.5) / rays_per_sample - 0.5);
-      };
-      points.x[n] = sample.x(width) + shift(x);
-      points.y[n] = sample.y(width) + shift(y);
+      const std::size_t of = std::min(n, count_ - 1);
+      const Sample& sample = list_.samples[first_ + of];
+      points.x[n] = sample.x(width) + part_of_pixel(of) * right;
+      points.y[n] = sample.y(width) + part_of_pixel(of) * down;
     }
     radiance_ = {};
     packet_ = rays.through(points);
@@ -85,8 +85,11 @@ class SamplePacket {
   [[nodiscard]] std::size_t count() const { return count_; }
 
  private:
-  /// Side of the part of a pixel that a sample stands for. Patterns of several samples spare the centre.
+  /// Side of the part of a pixel whose rays a sample stands for. Patterns of several samples spare the
+  /// centre. Opaque surfaces hide what lies close behind them along one ray only.
   [[nodiscard]] double part_of_pixel(std::size_t n) const {
+    const auto fragments = list_.of_sample(first_ + n);
+    if (!fragments.empty() && fragments.back().rgba[3] >= 1) return 0;
     const SubPixel& place = list_.samples[first_ + n].place;
     return place.x == 0 && place.y == 0 ? 1 : 0.5;
   }
@@ -173,18 +176,20 @@ void cast_surfaces(const RayVolume& volume, const View& view, const Grid& grid, 
   const MarchScene march = march_scene(volume, options);
   std::vector<Radiance> radiances(samples);
   std::vector<PixelShares> shares(options.ids != nullptr ? samples : 0);
-  constexpr std::size_t kSamplesPerJob = kPacketsPerJob * kPacketRays;
-  pool.for_each((samples + kSamplesPerJob - 1) / kSamplesPerJob, [&](std::size_t job) {
-    const std::size_t last = std::min(samples, (job + 1) * kSamplesPerJob);
+  const std::size_t packets =
+      std::max<std::size_t>(kRaysPerJob / kPacketRays / static_cast<std::size_t>(options.rays.count()), 1);
+  const std::size_t at_once = packets * kPacketRays;
+  pool.for_each((samples + at_once - 1) / at_once, [&](std::size_t job) {
+    const std::size_t last = std::min(samples, (job + 1) * at_once);
     std::optional<RayShares> of_packet;
     if (options.ids != nullptr) of_packet.emplace(volume);
-    for (std::size_t first = job * kSamplesPerJob; first < last; first += kPacketRays) {
+    for (std::size_t first = job * at_once; first < last; first += kPacketRays) {
       check_task();
       SamplePacket packet(volume, march, kernels, fragments, first, of_packet ? &*of_packet : nullptr);
-      const int side = packet.rays_per_sample(options.samples);
-      const float weight = 1.0f / static_cast<float>(side * side);
-      for (int ray = 0; ray < side * side; ++ray) {
-        packet.render(rays, options.cuts, picture.size.width, scene, side, ray % side, ray / side);
+      const RayGrid of_sample = packet.rays_of_samples(volume.empty() ? RayGrid{} : options.rays);
+      const float weight = 1.0f / static_cast<float>(of_sample.count());
+      for (int ray = 0; ray < of_sample.count(); ++ray) {
+        packet.render(rays, options.cuts, picture.size.width, scene, of_sample, ray);
         for (std::size_t n = 0; n < packet.count(); ++n) {
           radiances[first + n] += packet.radiance(n);
           if (of_packet) packet.add_shares(n, weight, shares[first + n]);

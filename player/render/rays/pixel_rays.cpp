@@ -23,8 +23,9 @@ Affine to_place(const Grid& grid, const Index3& first) {
 RayPoints RayBlock::points(int packet, const PictureSize& size) const {
   RayPoints points;
   for (std::size_t n = 0; n < kPacketRays; ++n) {
-    points.x[n] = (std::min(left * samples + column(packet, n), size.width * samples - 1) + 0.5) / samples;
-    points.y[n] = (std::min(top * samples + row(packet, n), size.height * samples - 1) + 0.5) / samples;
+    const int x = left * grid.columns + column(packet, n), y = top * grid.rows + row(packet, n);
+    points.x[n] = (std::min(x, size.width * grid.columns - 1) + 0.5) / grid.columns;
+    points.y[n] = (std::min(y, size.height * grid.rows - 1) + 0.5) / grid.rows;
   }
   return points;
 }

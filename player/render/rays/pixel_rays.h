@@ -25,27 +25,34 @@ struct RayPoints {
 inline constexpr int kBlockSide = 4;
 static_assert(std::size_t{kBlockSide} * kBlockSide == kPacketRays);
 
-/// Rays of a block of kBlockSide x kBlockSide pixels: a grid of `samples` x `samples` points in each pixel.
-/// Their kBlockSide x kBlockSide packets are numbered from 0 to samples^2 - 1.
+/// A grid of rays in a pixel.
+struct RayGrid {
+  int columns = 1, rows = 1;
+
+  [[nodiscard]] int count() const { return columns * rows; }
+};
+
+/// Rays of a block of kBlockSide x kBlockSide pixels: a grid in each. As many packets of kBlockSide x
+/// kBlockSide neighbouring rays as a pixel has rays cover the block.
 struct RayBlock {
   int left = 0, top = 0;
-  int samples = 1;
+  RayGrid grid{};
 
-  [[nodiscard]] int packets() const { return samples * samples; }
   /// Points of a packet, row by row. Beyond the edge of the picture they repeat its last ones.
   [[nodiscard]] RayPoints points(int packet, const PictureSize& size) const;
   /// The pixel of the n-th ray of a packet, counted row by row in the block.
   [[nodiscard]] std::size_t pixel(int packet, std::size_t n) const {
-    return static_cast<std::size_t>(row(packet, n) / samples * kBlockSide + column(packet, n) / samples);
+    return static_cast<std::size_t>(row(packet, n) / grid.rows * kBlockSide +
+                                    column(packet, n) / grid.columns);
   }
 
  private:
-  /// Place of the n-th ray of a packet in the grid of the block.
+  /// Place of the n-th ray of a packet among those of the block.
   [[nodiscard]] int column(int packet, std::size_t n) const {
-    return packet % samples * kBlockSide + static_cast<int>(n) % kBlockSide;
+    return packet % grid.columns * kBlockSide + static_cast<int>(n) % kBlockSide;
   }
   [[nodiscard]] int row(int packet, std::size_t n) const {
-    return packet / samples * kBlockSide + static_cast<int>(n) / kBlockSide;
+    return packet / grid.columns * kBlockSide + static_cast<int>(n) / kBlockSide;
   }
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -33,13 +34,13 @@ struct Shear {
 
   /// Width of a voxel in picture pixels: the largest along the axes of the picture.
   [[nodiscard]] double voxel_pixels() const {
-    const Affine2& map = picture_to_sheet;
-    return 1 / std::min(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy));
+    const auto [along_width, along_height] = voxels_per_pixel();
+    return 1 / std::min(along_width, along_height);
   }
-  /// The same of its smallest width.
-  [[nodiscard]] double narrow_voxel_pixels() const {
+  /// Voxels along a pixel's width and height.
+  [[nodiscard]] std::array<double, 2> voxels_per_pixel() const {
     const Affine2& map = picture_to_sheet;
-    return 1 / std::max(std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy));
+    return {std::hypot(map.xx, map.yx), std::hypot(map.xy, map.yy)};
   }
   [[nodiscard]] double u_shift(double k) const { return -slope_u * (k - k_ref); }
   [[nodiscard]] double v_shift(double k) const { return -slope_v * (k - k_ref); }

@@ -56,7 +56,7 @@ class RayVolume {
   [[nodiscard]] static Result<RayVolume> build(const RayVolumeRequest& request, ThreadPool& pool);
 
   /// The means of blocks of 2^level voxels along each axis, as those of CoarseSpans. `runs`: those of the
-  /// volume, which must be pre-classified. kLimit when out of memory. Cost: about 10 ns per voxel.
+  /// volume, which must be pre-classified. kLimit when out of address space. Cost: about 30 ns per voxel.
   [[nodiscard]] Result<RayVolume> means(const SelectedRuns& runs, int level, ThreadPool& pool) const;
 
   /// True if the volume was built for these options.

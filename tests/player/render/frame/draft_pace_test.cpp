@@ -27,6 +27,13 @@ TEST(DraftPace, LateDraftsBecomeCoarserAndQuickOnesFiner) {
   EXPECT_EQ(pace.next(2, true), (VolumeDetail{0, 2}));
 }
 
+TEST(DraftPace, RaysHaveNoSheetPixelsToLose) {
+  DraftPace pace(true);
+  EXPECT_EQ(pace.next(2, true).level, 0);
+  pace.took(40, kBudget);
+  EXPECT_EQ(pace.next(2, true).level, 1);
+}
+
 TEST(DraftPace, MeansAreAtMostSixPixelsWide) {
   for (const auto& [voxel_pixels, level] : {std::pair(0.5, 3), {0.75, 3}, {1.0, 2}, {3.0, 1}, {3.1, 0}}) {
     DraftPace pace;

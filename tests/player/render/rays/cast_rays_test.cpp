@@ -20,6 +20,8 @@ using reference::PerspectiveView;
 using reference::ReferencePicture;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+/// Pixels are coarser than the voxels of some scenes.
+constexpr RenderOverrides kOneRay{.one_ray = true};
 
 /// A cube of one grey value, 21 voxels of 1 mm a side, its middle at the origin.
 AtlasContent fog() {
@@ -47,9 +49,8 @@ Camera with_eye_at(const Vec3& eye, Camera camera, const PictureSize& size, cons
   return camera;
 }
 
-/// Pixels are finer than the voxels of these scenes, so that one ray a pixel is cast.
 RenderOptions accurate(Quality quality = Quality::kNormal) {
-  return {.size = {80, 72},
+  return {.size = {40, 36},
           .quality = quality,
           .classification = Classification::kAfter,
           .hybrid_shading = false};
@@ -138,7 +139,7 @@ TEST(CastRays, StepsAtABorderAreMetByRaysThatPassAnEdge) {
     Camera camera = perspective(90);
     camera.projection = projection;
     const RenderOptions options = accurate(Quality::kHigh);
-    const Picture picture = render_or_throw(content, selection, camera, options);
+    const Picture picture = render_or_throw(content, selection, camera, options, 1, kOneRay);
     const View view = *view_of(camera, options.size, content.display);
     const Grid grid = storage_grid(content);
     int passed = 0;
@@ -161,13 +162,13 @@ TEST(CastRays, AWideFieldOfViewIsSeamless) {
   const AtlasContent content = fog();
   const Selection selection = selection_of("fog:volume(opacity=0.05)", content.graph);
   RenderOptions options = accurate(Quality::kHigh);
-  options.size = {81, 81};
+  options.size = {41, 41};
   for (const double degrees : {90.0, 120.0, 170.0}) {
     const Camera camera = with_eye_at({0, 0, 0}, perspective(degrees), options.size, content.display);
     const View view = *view_of(camera, options.size, content.display);
-    const Picture picture = render_or_throw(content, selection, camera, options);
-    for (int y = 0; y < 81; ++y) {
-      for (int x = 0; x < 81; ++x) {
+    const Picture picture = render_or_throw(content, selection, camera, options, 1, kOneRay);
+    for (int y = 0; y < 41; ++y) {
+      for (int x = 0; x < 41; ++x) {
         Vec3 along = reference::minus(view.plane.point_lps_mm(x + 0.5, y + 0.5), view.eye_lps_mm());
         const double max = std::max({std::abs(along[0]), std::abs(along[1]), std::abs(along[2])});
         const double per_mm = std::sqrt(reference::dot(along, along)) / max;
@@ -191,7 +192,9 @@ TEST(CastRays, AreCloseToTheTruthAtEveryQuality) {
       const ReferencePicture truth = truth_of(scene, camera, size);
       Renderer renderer = renderer_of(scene.content, scene.selection);
       const auto rms = [&](Quality quality) {
-        return 255 * reference::difference(render_or_throw(renderer, camera, accurate(quality)), truth).rms;
+        return 255 *
+               reference::difference(render_or_throw(renderer, camera, accurate(quality), kOneRay), truth)
+                   .rms;
       };
       EXPECT_LE(rms(Quality::kNormal), 0.5) << appearance << (in_perspective ? ", perspective" : "");
       EXPECT_LE(rms(Quality::kHigh), 0.1) << appearance << (in_perspective ? ", perspective" : "");

@@ -14,6 +14,7 @@
 #include "tests/support/fails_with.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/render.h"
+#include "tests/support/render_with.h"
 #include "tests/support/standard_scenes.h"
 #include "tests/support/uniform_box.h"
 
@@ -67,12 +68,13 @@ RandomScene thick_slices(const char* selection) {
                        {"needle", {}, {0, 0, 255}, {}, needle}};
   RandomScene scene{make_content(volume), {}, {}, {}};
   scene.selection = selection_of(selection, scene.content.graph);
-  scene.camera = {.elevation_deg = 83, .zoom = 2.5, .projection = CameraProjection::kPerspective};
+  scene.camera = {.elevation_deg = 83, .projection = CameraProjection::kPerspective};
   scene.options = {.size = {40, 30},
                    .quality = Quality::kHigh,
                    .hybrid_shading = false,
                    .antialiasing = false,
                    .termination_threshold = 0};
+  scene.overrides.one_ray = true;
   return scene;
 }
 
@@ -81,7 +83,7 @@ TEST(CastSurfaces, AreInOrderWhereRaysRunInPlanesOfThePrincipalAxis) {
     SCOPED_TRACE(text);
     const RandomScene scene = thick_slices(text);
     Renderer renderer = renderer_of(scene.content, scene.selection);
-    const Result<Frame> frame = renderer.render(scene.camera, scene.options);
+    const Result<Frame> frame = render_with(renderer, scene.camera, scene.options, scene.overrides);
     ASSERT_TRUE(frame) << frame.error().message;
     EXPECT_GT(frame->stats.triangles, 0u);
     const RayTruth truth(scene, false);
