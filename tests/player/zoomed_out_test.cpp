@@ -96,8 +96,8 @@ TEST(ZoomedOut, VolumesAroundSurfacesAreMeansByRays) {
 TEST(ZoomedOut, OpaqueSurfacesHideWhatLiesCloseBehind) {
   TestVolume volume;
   volume.grid.size = {48, 48, 48};
-  volume.structures = {{"core", ball_mask(volume.grid.size, {24, 24, 24}, 19), {255, 0, 0}},
-                       {"ball", ball_mask(volume.grid.size, {24, 24, 24}, 20), {0, 0, 255}}};
+  volume.structures = {{"core", ball_mask(volume.grid.size, {24, 24, 24}, 19 * 19), {255, 0, 0}},
+                       {"ball", ball_mask(volume.grid.size, {24, 24, 24}, 20 * 20), {0, 0, 255}}};
   const AtlasContent content = make_content(volume);
   Renderer renderer =
       renderer_of(content, selection_of("core:volume(opacity=0.5) + ball:surface", content.graph));
