@@ -18,7 +18,7 @@ check() {
   fi
 }
 
-check product 62600 format preprocess player schemas
-check tests 50120 tests
+check product 62840 format preprocess player schemas
+check tests 50200 tests
 check bench 8510 bench
 exit "$bad"

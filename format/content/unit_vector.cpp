@@ -166,22 +166,6 @@ PackedNormal pack_normal(const std::array<float, 3>& n) {
   return best;
 }
 
-void pack_normals_roughly(std::size_t count, const float* x, const float* y, const float* z,
-                          PackedNormal* packed) {
-  const auto code = [](float p) {
-    const float at_most_1 = p < 1 ? p : 1.0f, in_range = at_most_1 > -1 ? at_most_1 : -1.0f;  // also for NaN
-    const auto above_0 = static_cast<std::int32_t>(in_range * kScale + (kScale + 0.5f));      // truncated
-    return static_cast<std::uint32_t>(above_0 - static_cast<std::int32_t>(kScale)) & 0xffu;
-  };
-  for (std::size_t n = 0; n < count; ++n) {  // without branches, for SIMD
-    const float sum = std::abs(x[n]) + std::abs(y[n]) + std::abs(z[n]), per_sum = 1 / std::max(sum, 1e-30f);
-    const float p = x[n] * per_sum, q = y[n] * per_sum;
-    const float folded_p = (1 - std::abs(q)) * sign_of(p), folded_q = (1 - std::abs(p)) * sign_of(q);
-    const bool below = z[n] < 0;
-    packed[n] = static_cast<PackedNormal>(code(below ? folded_p : p) | code(below ? folded_q : q) << 8u);
-  }
-}
-
 std::array<float, 3> unpack_normal(PackedNormal packed) {
   const auto [x, y, z] = octahedron_point(packed);
   const float length = std::sqrt(x * x + y * y + z * z);

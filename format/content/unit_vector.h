@@ -14,10 +14,6 @@ using PackedNormal = std::uint16_t;
 
 /// `n` may have any length; zero and non-finite vectors pack as +z.
 [[nodiscard]] PackedNormal pack_normal(const std::array<float, 3>& n);
-/// pack_normal() of `count` vectors, with each component rounded by itself: errors up to 0.94 degrees, at a
-/// tenth of the time. Zero and non-finite vectors get any code.
-void pack_normals_roughly(std::size_t count, const float* x, const float* y, const float* z,
-                          PackedNormal* packed);
 /// The unit vector of a code. All 65 536 codes are valid.
 [[nodiscard]] std::array<float, 3> unpack_normal(PackedNormal packed);
 /// Replaces each vector by unpack_normal(pack_normal(n)), with the same bits. Cost: about 10 ns each.

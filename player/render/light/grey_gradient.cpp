@@ -9,9 +9,11 @@
 
 namespace splatlas {
 
-GreyGradient::GreyGradient(const SelectedRuns& runs, const ClassCache& cache, const Grid& grid)
+GreyGradient::GreyGradient(const SelectedRuns& runs, const ClassCache& cache, const Grid& grid,
+                           const GradientScale& scale)
     : runs_(runs),
       cache_(cache),
+      scale_(scale),
       scan_first_(runs.box().first[0]),
       row_first_(runs.box().first[1]),
       width_(runs.scan_voxels() + 2),
@@ -19,15 +21,12 @@ GreyGradient::GreyGradient(const SelectedRuns& runs, const ClassCache& cache, co
   const ScanOrder scan = ScanOrder::of(runs.axis());
   const std::array<std::int64_t, 3> step{1, grid.size[0], grid.size[0] * grid.size[1]};
   const std::array<std::uint8_t, 3> axes{scan.scan_axis, scan.row_axis, scan.slice_axis};
-  const auto width = static_cast<std::size_t>(width_);
-  for (std::size_t a = 0; a < 3; ++a) {
-    step_[a] = static_cast<std::size_t>(step[axes[a]]);
-    const double mm = grid.spacing_mm[axes[a]];
-    per_mm_squared_[a] = static_cast<float>(1 / (mm * mm));
-    means_[a].resize(width);
-  }
-  for (std::vector<float>* row : {&sums_.differences, &sums_.squares, &sums_.pairs, &lengths_, &squares_})
-    row->resize(width);
+  for (std::size_t a = 0; a < 3; ++a) step_[a] = static_cast<std::size_t>(step[axes[a]]);
+  const std::size_t floats = static_cast<std::size_t>(width_) + kLightPadding;
+  for (std::vector<float>& row : sums_) row.resize(floats);
+  for (std::vector<float>& row : direction_) row.resize(floats);
+  coherence_.resize(floats);
+  reach_.resize(floats);
 }
 
 void GreyGradient::fill(std::int64_t slice, Plane& plane) const {
@@ -42,7 +41,7 @@ void GreyGradient::fill(std::int64_t slice, Plane& plane) const {
   plane.slice = slice;
   plane.segments.clear();
   plane.first_segment.assign(1, 0);
-  plane.values.resize(static_cast<std::size_t>(width_ * height_));
+  plane.values.resize(static_cast<std::size_t>(width_ * height_) + 2 * kLightPadding);
   plane.selected.resize(plane.values.size());
 
   constexpr std::int64_t kSmallGap = 16;
@@ -90,47 +89,6 @@ void GreyGradient::set_slice(std::int64_t slice) {
   }
 }
 
-/// Adds the pairs of voxels of two rows, the second voxel `ahead` positions further.
-void GreyGradient::add_pairs(const Plane& low, const Plane& high, std::int64_t low_row, std::int64_t high_row,
-                             std::int64_t ahead, float weight) {
-  const float* const low_values = low.values.data() + low_row * width_;
-  const float* const low_selected = low.selected.data() + low_row * width_;
-  const float* const high_values = high.values.data() + high_row * width_ + ahead;
-  const float* const high_selected = high.selected.data() + high_row * width_ + ahead;
-  float* __restrict const differences = sums_.differences.data();
-  float* __restrict const squares = sums_.squares.data();
-  float* __restrict const pairs = sums_.pairs.data();
-  for (std::int64_t n = begin_ - 1; n < end_ + 1 - ahead; ++n) {
-    const float pair = weight * low_selected[n] * high_selected[n];
-    const float difference = high_values[n] - low_values[n];
-    pairs[n] += pair;
-    differences[n] += pair * difference;
-    squares[n] += pair * difference * difference;
-  }
-}
-
-/// Weights the sums at the positions before, at and after each voxel, divides by the pairs, and clears.
-void GreyGradient::finish(std::size_t axis, const std::array<float, 3>& weights) {
-  const auto around = [&](const std::vector<float>& sums, std::int64_t n) {
-    const float* const at = sums.data() + n;
-    return weights[0] * at[-1] + weights[1] * at[0] + weights[2] * at[1];
-  };
-  float* __restrict const means = means_[axis].data();
-  float* __restrict const lengths = lengths_.data();
-  float* __restrict const squares = squares_.data();
-  const float per_mm_squared = per_mm_squared_[axis];
-  for (std::int64_t n = begin_; n < end_; ++n) {
-    const float pairs = around(sums_.pairs, n);
-    const float per_pair = 1 / std::max(pairs, 1e-30f);
-    const float mean = around(sums_.differences, n) * per_pair;
-    means[n - 1] = mean;
-    lengths[n - 1] += mean * mean * per_mm_squared;
-    squares[n - 1] += around(sums_.squares, n) * per_pair * per_mm_squared;
-  }
-  for (std::vector<float>* row : {&sums_.differences, &sums_.squares, &sums_.pairs})
-    std::fill(row->begin() + begin_ - 1, row->begin() + end_ + 1, 0.0f);
-}
-
 void GreyGradient::set_row(std::int64_t slice, std::int64_t row) {
   if (planes_[1].slice != slice) set_slice(slice);
   row_ = row - row_first_ + 1;
@@ -141,29 +99,18 @@ void GreyGradient::set_row(std::int64_t slice, std::int64_t row) {
 }
 
 void GreyGradient::measure(const Segment& segment) {
-  begin_ = segment.begin;
-  end_ = segment.end;
-  for (std::vector<float>* sums : {&lengths_, &squares_})
-    std::fill(sums->begin() + begin_ - 1, sums->begin() + end_ - 1, 0.0f);
-
-  constexpr std::array<float, 3> kAcross{0.5f, 1, 0.5f};
-  for (std::size_t s = 0; s < 3; ++s) {
-    for (std::int64_t r = 0; r < 3; ++r)
-      add_pairs(planes_[s], planes_[s], row_ + r - 1, row_ + r - 1, 1,
-                kAcross[s] * kAcross[static_cast<std::size_t>(r)]);
+  GreyRows rows;
+  for (std::size_t k = 0; k < 9; ++k) {
+    const Plane& plane = planes_[k / 3];
+    const std::int64_t place = (row_ + static_cast<std::int64_t>(k % 3) - 1) * width_ + segment.begin;
+    rows.values[k] = plane.values.data() + place;
+    rows.selected[k] = plane.selected.data() + place;
   }
-  finish(0, {1, 1, 0});
-  for (std::size_t s = 0; s < 3; ++s) {
-    for (std::int64_t r = 0; r < 2; ++r)
-      add_pairs(planes_[s], planes_[s], row_ + r - 1, row_ + r, 0, kAcross[s]);
-  }
-  finish(1, kAcross);
-  for (std::size_t s = 0; s < 2; ++s) {
-    for (std::int64_t r = 0; r < 3; ++r)
-      add_pairs(planes_[s], planes_[s + 1], row_ + r - 1, row_ + r - 1, 0,
-                kAcross[static_cast<std::size_t>(r)]);
-  }
-  finish(2, kAcross);
+  std::array<PairSums, 3> sums;
+  for (std::size_t a = 0; a < 3; ++a)
+    sums[a] = {sums_[3 * a].data(), sums_[3 * a + 1].data(), sums_[3 * a + 2].data()};
+  light_kernels().gradient(rows, static_cast<std::size_t>(segment.end - segment.begin), scale_, sums,
+                           row_from(segment.begin - 1));
 }
 
 }  // namespace splatlas

@@ -39,21 +39,19 @@ class VoxelLighter {
                                  std::int64_t row, std::uint32_t first, std::uint32_t count);
 
  private:
-  /// Gradients of a run's voxels, in LPS, and what they tell.
-  struct Block;
-  static void light_boundary(const PackedNormal* labels, std::size_t stride, Block& block);
-  static void light_interior(const TransferTable& transfer, Block& block);
-  void load(std::int64_t first, std::size_t count, Block& block) const;
+  /// Sets the extinctions of transfer functions around grey values.
+  void find_extinctions(const TransferTable& transfer, const float* greys, const GradientRow& gradients,
+                        std::size_t count);
 
   const PackedNormal* label_normals_;
   bool shade_;
-  std::optional<GreyGradient> grey_;              // none without grey values
-  std::array<std::size_t, 3> step_{};             // in memory, along the scanline, the rows and the slices
-  std::array<std::array<float, 3>, 3> to_lps_{};  // of gradients along them
-  float reach_mm_ = 0;
+  std::optional<GreyGradient> grey_;   // none without grey values
+  std::array<std::size_t, 3> step_{};  // in memory, along the scanline, the rows and the slices
   std::int64_t slice_ = -1, row_ = -1, scan_first_;
-  std::vector<PackedNormal> normals_;  // of the current row
+  // Of the current row
+  std::vector<PackedNormal> labels_, normals_;
   std::vector<std::uint16_t> lit_;
+  std::vector<float> below_, above_;  // extinctions around the grey values
 };
 
 /// Lighters for parallel tasks, which pass on their memory. Arguments as for VoxelLighter.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "format/content/transfer_curve.h"
@@ -55,17 +56,13 @@ class TransferTable {
                float densest_per_mm, float* extinctions, float* emissions) const;
   /// The transfer function at `grey`; NaN sorts before all points.
   [[nodiscard]] TransferShare share_of(double grey) const;
-  /// The extinction at a grey value between those of voxels. Linear between whole numbers where the function
-  /// is tabulated.
-  [[nodiscard]] float extinction_near(float grey) const {
-    if (table_.empty()) return share_of(static_cast<double>(grey)).extinction;
-    const float in_range = std::clamp(grey, lowest_, highest_), below = std::floor(in_range);
-    const auto place = static_cast<std::int32_t>(below), next = place + (below < highest_ ? 1 : 0);
-    const auto at = [this](std::int32_t value) {
-      return table_[static_cast<std::uint32_t>(value) & (table_.size() - 1)].extinction;
-    };
-    return at(place) + (in_range - below) * (at(next) - at(place));
-  }
+  /// The shares of whole grey values from `lowest` to `highest`, by the lower bits of the value; empty if
+  /// values are evaluated one by one.
+  struct View {
+    std::span<const TransferShare> shares;
+    float lowest = 0, highest = 0;
+  };
+  [[nodiscard]] View view() const { return {table_, lowest_, highest_}; }
 
  private:
   /// Calls take(n, share) for `count` values.

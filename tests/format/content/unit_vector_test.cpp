@@ -95,34 +95,6 @@ TEST(UnitVector, NoDirectionPacksAsPlusZ) {
   EXPECT_EQ(unpack_normal(pack_normal({kInfinity, 0, 0})), z);
 }
 
-TEST(UnitVector, RoughPackingErrsByLessThanADegree) {
-  std::mt19937 random(4);
-  std::normal_distribution<float> component;
-  constexpr std::size_t kCount = 100000;
-  std::array<std::vector<float>, 3> n;
-  for (std::vector<float>& of_axis : n) {
-    of_axis.resize(kCount);
-    for (float& value : of_axis) value = 7 * component(random);
-  }
-  n[0][0] = std::numeric_limits<float>::quiet_NaN();  // any code
-  n[1][1] = std::numeric_limits<float>::infinity();
-  n[0][2] = n[1][2] = n[2][2] = 0;
-  n[0][3] = n[1][3] = 0;
-  n[2][3] = -1e-20f;
-  std::vector<PackedNormal> packed(kCount);
-  pack_normals_roughly(kCount, n[0].data(), n[1].data(), n[2].data(), packed.data());
-  double largest = 0;
-  for (std::size_t k = 3; k < kCount; ++k)
-    largest = std::max(largest, degrees_between(unpack_normal(packed[k]), {n[0][k], n[1][k], n[2][k]}));
-  EXPECT_LT(largest, 0.95);
-  EXPECT_GT(largest, 0.8);
-  for (unsigned code = 0; code <= 0xffff; ++code) {  // round trips keep directions
-    const Float3 unit = unpack_normal(static_cast<PackedNormal>(code));
-    pack_normals_roughly(1, &unit[0], &unit[1], &unit[2], packed.data());
-    ASSERT_LT(degrees_between(unpack_normal(packed[0]), unit), 1e-4) << code;
-  }
-}
-
 TEST(RoundNormals, GivesTheBitsOfPackingAndUnpacking) {
   std::mt19937 random(1);
   std::uniform_real_distribution<float> component(-1, 1);

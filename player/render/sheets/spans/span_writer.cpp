@@ -72,7 +72,8 @@ void SpanWriter::end_row(std::int64_t row) {
   }
   blocks_.clear();
   end_span(first_of_row);
-  for (const ShadedRun& run : shaded_) list(run, first_of_row);
+  std::size_t s = first_of_row;
+  for (const ShadedRun& run : shaded_) list(run, s);
   shaded_.clear();
   if (out_.spans.size() == first_of_row) return;
   if (out_.first_span.empty()) out_.first_row = row;
@@ -124,21 +125,28 @@ void SpanWriter::end_span(std::size_t first_of_row) {
   ++out_.spans.back().blocks;
 }
 
-void SpanWriter::list(const ShadedRun& run, std::size_t first_of_row) {
-  std::size_t s = first_of_row;
-  for (std::uint32_t n = 0; n < run.count; ++n) {
-    const std::uint16_t lit = run.light.lit == nullptr ? ShadedVoxel::kAllLit : run.light.lit[n];
-    if (lit == 0) continue;
-    const std::uint32_t voxel = run.first + n;
-    while (s < out_.spans.size() && block_of(voxel) >= out_.spans[s].first_block + out_.spans[s].blocks) ++s;
-    if (s == out_.spans.size()) return;
-    if (block_of(voxel) < out_.spans[s].first_block) continue;
-    ShadedVoxel shaded{out_.place(out_.spans[s], voxel), run.light.normals[n * run.light.stride], lit, {}};
-    const float* const optics = out_.optics.data() + shaded.place;
-    if (optics[0] <= 0) continue;
-    for (int c = 0; c < out_.emissions; ++c)
-      shaded.emission[static_cast<std::size_t>(c)] = optics[(c + 1) * kBlock];
-    out_.shaded.push_back(shaded);
+/// Lists the lit voxels of a run, block by block. `s`: the first span of the row that may hold them.
+void SpanWriter::list(const ShadedRun& run, std::size_t& s) {
+  const std::vector<Span>& spans = out_.spans;
+  const std::uint32_t end = run.first + run.count;
+  for (std::uint32_t voxel = run.first; voxel < end;) {
+    while (s < spans.size() && spans[s].first_block + spans[s].blocks <= block_of(voxel)) ++s;
+    if (s == spans.size()) return;
+    voxel = std::max(voxel, spans[s].first_block << kBlockBits);
+    const std::uint32_t last = std::min(end, (block_of(voxel) + 1) << kBlockBits);
+    const std::size_t place = out_.place(spans[s], voxel);
+    for (std::size_t n = 0; voxel < last; ++n, ++voxel) {
+      const std::size_t of_run = voxel - run.first;
+      const std::uint16_t lit = run.light.lit == nullptr ? ShadedVoxel::kAllLit : run.light.lit[of_run];
+      const float* const optics = out_.optics.data() + place + n;
+      if (lit == 0 || optics[0] <= 0) continue;
+      ShadedVoxel& shaded = out_.shaded.emplace_back();
+      shaded.place = place + n;
+      shaded.normal = run.light.normals[of_run * run.light.stride];
+      shaded.lit = lit;
+      for (int c = 0; c < out_.emissions; ++c)
+        shaded.emission[static_cast<std::size_t>(c)] = optics[(c + 1) * kBlock];
+    }
   }
 }
 

@@ -56,7 +56,7 @@ class SpanWriter {
   void keep(std::uint32_t block, float* line, std::size_t first_of_row);
   void append(const float* line);
   void end_span(std::size_t first_of_row);
-  void list(const ShadedRun& run, std::size_t first_of_row);
+  void list(const ShadedRun& run, std::size_t& s);
 
   SliceSpans& out_;
   std::int64_t plane_floats_ = 0;
