@@ -43,8 +43,8 @@ class SamplePacket {
   /// Composites a ray of each sample, given its number in their grid.
   void render(const PixelRays& rays, const CutRays* cuts, int width, const RasterScene& scene,
               const RayGrid& grid, int number) {
-    const double right = (number % grid.columns + 0.5) / grid.columns - 0.5;
-    const double down = (number / grid.columns + 0.5) / grid.rows - 0.5;
+    const int column = number % grid.columns, row = number / grid.columns;
+    const double right = (column + 0.5) / grid.columns - 0.5, down = (row + 0.5) / grid.rows - 0.5;
     RayPoints points;
     for (std::size_t n = 0; n < kPacketRays; ++n) {
       const std::size_t of = std::min(n, count_ - 1);
