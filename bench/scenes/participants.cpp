@@ -29,9 +29,10 @@ struct Ours {
 Result<void> add_ours(const ErrorTask& task, Classification classification, unsigned threads,
                       std::vector<Participant>& participants, std::span<const NamedQuality> settings) {
   const bool rays = classification == Classification::kAfter;
-  const auto ours = std::make_shared<Ours>(Ours{Renderer(task.atlas, {.threads = threads}), {}});
-  SPLATLAS_RETURN_IF_ERROR(ours->renderer.select(task.model.selection));
   for (const NamedQuality& setting : settings) {
+    // Each has its own renderer: rays of high quality would take the place of the spans of others
+    const auto ours = std::make_shared<Ours>(Ours{Renderer(task.atlas, {.threads = threads}), {}});
+    SPLATLAS_RETURN_IF_ERROR(ours->renderer.select(task.model.selection));
     const RenderOptions options{.size = task.size,
                                 .quality = setting.quality,
                                 .classification = classification,
