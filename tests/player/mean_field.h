@@ -10,8 +10,18 @@
 
 #include "format/content/grid.h"
 #include "tests/reference/optical_field.h"
+#include "tests/support/test_content.h"
 
 namespace splatlas {
+
+/// A slab. Its blocks have one normal each, so that lighting their means is exact; normals of its rim bend.
+inline TestVolume slab() {
+  TestVolume volume;
+  volume.grid.size = {33, 31, 24};
+  volume.structures = {
+      {"slab", make_mask(volume.grid.size, [](auto, auto, auto k) { return k > 4 && k < 19; })}};
+  return volume;
+}
 
 /// Means over blocks, from the reference.
 inline std::vector<reference::VoxelOptics> means_of(const reference::OpticalField& field, const Grid& grid,

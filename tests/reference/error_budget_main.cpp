@@ -47,7 +47,7 @@ void measure(const StandardScene& scene) {
     frame.options.antialiasing = false;  // compares rays, not pixels
     frame.options.termination_threshold = 0;
     const ReferencePicture truth = render_truth(frame);
-    // Where pixels are coarser than voxels, high quality shows means of volumes
+    // High quality averages volumes over pixels that are coarser than voxels
     const ParallelView view = *parallel_view(camera, kSize, scene.content.display);
     const bool is_coarse =
         std::ranges::max(factorise(view, storage_grid(scene.content)).voxels_per_pixel()) > 1;

@@ -24,7 +24,7 @@ class GreyGradient {
   GreyGradient(const SelectedRuns& runs, const ClassCache& cache, const Grid& grid,
                const GradientScale& scale);
 
-  /// Computes the gradients of a row of a slice, both of the traversal. Cost: about 15 ns per selected voxel
+  /// Computes the gradients of a row of a slice, both of the traversal. Cost: about 10 ns per selected voxel
   /// and voxel of small gaps. Following slices share what they have read.
   void set_row(std::int64_t slice, std::int64_t row);
 

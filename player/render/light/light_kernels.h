@@ -25,7 +25,7 @@ struct PairSums {
   float *pairs, *differences, *squares;
 };
 
-/// What gradients mean.
+/// Units of gradients.
 struct GradientScale {
   std::array<std::array<float, 3>, 3> to_lps{};  ///< of those along the scanline, the rows and the slices
   std::array<float, 3> per_mm_squared{};         ///< along them

@@ -46,12 +46,8 @@ TEST(CoarseSpans, AreTheMeansOfTheirVoxels) {
   EXPECT_GT(compared, 5000u);
 }
 
-/// Blocks of a slab have one normal each, so that their means are exact.
 TEST(CoarseSpans, LightTheSharesOfBoundaryVoxels) {
-  TestVolume volume;
-  volume.grid.size = {33, 31, 24};
-  volume.structures = {
-      {"slab", make_mask(volume.grid.size, [](auto, auto, auto k) { return k > 4 && k < 19; })}};
+  const TestVolume volume = slab();
   const AtlasContent content = make_content(volume);
   PreparedSelection prepared(content, selection_of("slab:volume(color=#ff8040)", content.graph));
   const ParallelView view =
