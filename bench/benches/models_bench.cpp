@@ -170,8 +170,8 @@ class ModelFrames {
                                 whole.row * step[scan.row_axis] + whole.start * step[scan.scan_axis];
       writer.add(whole.start, whole.length);
       appearance.look_up(models_.classes.values(), voxel, step[scan.scan_axis], whole.length,
-                         writer.extinctions(whole.start), writer.emissions(whole.start, 0));
-      if (spans_.emissions == 3) writer.color(whole.start, whole.length, appearance.color);
+                         writer.extinctions(whole.start), writer.whites(whole.start));
+      writer.color(whole.start, whole.length, appearance.color);
       ++runs_;
     };
     walk(slice, [&](const FoundRun& run) {

@@ -72,8 +72,8 @@ class SliceVisit {
     const VolumeAppearance& appearance = selection_.appearances[draw];
     writer.add(first, count);
     appearance.look_up(model_.values.bytes.data(), voxel, step, count, writer.extinctions(first),
-                       writer.emissions(first, 0));
-    if (emissions_ == 3) writer.color(first, count, appearance.color);
+                       writer.whites(first));
+    writer.color(first, count, appearance.color);
   }
 
   const VoxelModel& model_;

@@ -27,48 +27,36 @@ Blocks kept_voxels(const SpanModel& model, std::span<const VoxelPlane> planes, s
   return {static_cast<std::int64_t>(first), static_cast<std::int64_t>(last) + 1};
 }
 
-/// Places [first, last) of the optical properties of these voxels of a row.
-std::pair<std::size_t, std::size_t> places_of(const SliceSpans& slice, std::int64_t row,
-                                              const Blocks& voxels) {
-  const auto block_floats = static_cast<std::size_t>(slice.block_floats());
-  std::pair<std::size_t, std::size_t> places{0, 0};
+/// Lanes [first, last) of the blocks that hold these voxels of a row.
+std::pair<std::uint32_t, std::uint32_t> lanes_of(const SliceSpans& slice, std::int64_t row,
+                                                 const Blocks& voxels) {
+  std::pair<std::uint32_t, std::uint32_t> lanes{0, 0};
   for (const Span& span : slice.row(row)) {
     const std::int64_t begin = std::max<std::int64_t>(voxels.first >> kBlockBits, span.first_block);
     const std::int64_t end =
         std::min((voxels.last + kBlock - 1) >> kBlockBits, std::int64_t{span.first_block} + span.blocks);
     if (begin >= end) continue;
-    const auto place = [&](std::int64_t block) {
-      return (span.offset + static_cast<std::size_t>(block - span.first_block)) * block_floats;
+    const auto lane = [&](std::int64_t block) {
+      return SliceSpans::lane_of(span, static_cast<std::uint32_t>(block << kBlockBits));
     };
-    if (places.first == places.second) places.first = place(begin);
-    places.second = place(end);
+    if (lanes.first == lanes.second) lanes.first = lane(begin);
+    lanes.second = lane(end);
   }
-  return places;
+  return lanes;
 }
 
-/// The first voxel from `from` on with at least this place. Exponential search: it is near.
-const ShadedVoxel* find_from(const ShadedVoxel* from, const ShadedVoxel* end, std::size_t place) {
-  std::ptrdiff_t step = 1;
-  while (step < end - from && from[step].place < place) {
-    from += step;
-    step *= 2;
-  }
-  return std::partition_point(from, from + std::min(step + 1, end - from),
-                              [place](const ShadedVoxel& voxel) { return voxel.place < place; });
-}
-
-/// shade_spans() for the voxels that a cut may show.
-void shade_kept_spans(SpanModel& model, std::span<const float> factors, std::span<const VoxelPlane> planes,
+/// light_spans() for the voxels that a cut may show.
+void light_kept_spans(SpanModel& model, std::span<const float> factors, std::span<const VoxelPlane> planes,
                       ThreadPool& pool) {
   pool.for_each(model.slices.size(), [&](std::size_t n) {
     SliceSpans& slice = model.slices[n];
-    const ShadedVoxel* next = slice.shaded.data();
-    const ShadedVoxel* const end = next + slice.shaded.size();
+    auto run = slice.lit.runs.begin();
     for (std::int64_t row = slice.first_row; row < slice.last_row; ++row) {
-      const auto [first, last] = places_of(slice, row, kept_voxels(model, planes, slice.number, row));
-      if (first == last) continue;
-      next = find_from(next, end, first);
-      for (; next != end && next->place < last; ++next) shade(*next, factors, slice);
+      const auto [first, last] = lanes_of(slice, row, kept_voxels(model, planes, slice.number, row));
+      for (; run != slice.lit.runs.end() && run->number < last; ++run) {
+        if (run->end() > first)
+          light_run(*run, std::max(first, run->number), std::min(last, run->end()), factors, slice);
+      }
     }
   });
 }
@@ -107,13 +95,13 @@ void AxisSpans::update_lighting(const ParallelView& view, const Lighting& lighti
   const bool same_cuts = shaded_cuts_.empty() || shaded_cuts_ == cuts;
   const bool same_view = shaded_for_ && have_same_lighting(*shaded_for_, view) && same_cuts;
   if (!partly_shaded_ && (shade ? same_view : !shaded_for_)) return;
-  if (model().shaded_voxels > 0) {
+  if (model().lit_voxels > 0) {
     const std::vector<float> factors = shade ? lighting.table() : std::vector<float>(65536, 1.0f);
     partly_shaded_ = true;  // in case the task is cancelled
     if (shade && !cuts.empty()) {
-      shade_kept_spans(spans_.model(), factors, voxel_planes(cuts, grid), pool);
+      light_kept_spans(spans_.model(), factors, voxel_planes(cuts, grid), pool);
     } else {
-      shade_spans(spans_.model(), factors, pool);
+      light_spans(spans_.model(), factors, pool);
     }
   }
   shaded_for_ = shade ? std::optional(view) : std::nullopt;
@@ -195,7 +183,7 @@ SheetSpans SpanStore::in_strips(const SpanSource& source, SelectedRuns runs, con
             SpanRequest of_strip = request;
             of_strip.strip.emplace(strip);
             strip_.emplace().build(of_strip, pool);
-            if (request.shade) shade_spans(strip_->model(), lighting.table(), pool);
+            if (request.shade) light_spans(strip_->model(), lighting.table(), pool);
             return strip_->model();
           }};
 }

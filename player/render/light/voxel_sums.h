@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "player/render/decode/span_blocks.h"
+#include "player/render/decode/lit_voxels.h"
 #include "player/render/transfer/shading.h"
 
 namespace splatlas {
@@ -27,10 +27,15 @@ struct VoxelSums {
     normal[1] += emission_lit * unpacked.y[of_voxel];
     normal[2] += emission_lit * unpacked.z[of_voxel];
   }
-  /// Share of the emission that is lit, as ShadedVoxel::lit.
+  /// The colour whose product with the weight is the emission.
+  [[nodiscard]] std::array<float, 3> color() const {
+    const float per_weight = weight > 0 ? 1 / weight : 0;
+    return {emission[0] * per_weight, emission[1] * per_weight, emission[2] * per_weight};
+  }
+  /// Share of the emission that is lit, as LitVoxel::lit.
   [[nodiscard]] std::uint16_t lit_share() const {
     const float share = weight > 0 ? std::min(lit / weight, 1.0f) : 0;
-    return static_cast<std::uint16_t>(std::lround(share * ShadedVoxel::kAllLit));
+    return static_cast<std::uint16_t>(std::lround(share * LitVoxel::kAllLit));
   }
 };
 

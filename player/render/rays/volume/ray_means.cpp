@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"
@@ -26,16 +27,17 @@ class RayVolume::Averager {
     const std::int64_t first = (z + coarse_.first_[2]) << level_;
     const std::int64_t slices = std::int64_t{1} << level_;
     std::uint64_t blocks = 0;
-    std::vector<const ShadedVoxel*> shaded;  // next ones, by slice of voxels
-    for (std::int64_t n = first; n < first + slices; ++n)
-      shaded.push_back(has_slice(n) ? shaded_of(n).data() : nullptr);
+    std::vector<std::optional<LitCursor>> lit(static_cast<std::size_t>(slices));  // by slice of voxels
+    for (std::int64_t n = 0; n < slices; ++n) {
+      if (has_slice(first + n)) lit[static_cast<std::size_t>(n)].emplace(lit_of(first + n));
+    }
     for (std::int64_t y = kMargin; y < coarse_.grid_.size[1] - kMargin; ++y) {
       const std::int64_t row = (y + coarse_.first_[1]) << level_;
       for (std::int64_t n = 0; n < slices; ++n) {
-        if (!has_slice(first + n)) continue;
-        const ShadedVoxel*& next = shaded[static_cast<std::size_t>(n)];
+        std::optional<LitCursor>& of_slice = lit[static_cast<std::size_t>(n)];
+        if (!of_slice) continue;
         runs_.for_each(first + n, row, row + slices,
-                       [&](const ClassRun& run, std::uint32_t) { next = add(first + n, run, next); });
+                       [&](const ClassRun& run, std::uint32_t) { add(first + n, run, *of_slice); });
       }
       blocks += write(y, z, mask, seen);
     }
@@ -46,33 +48,32 @@ class RayVolume::Averager {
   [[nodiscard]] bool has_slice(std::int64_t slice) const {
     return slice >= fine_.first_[2] && slice < fine_.first_[2] + fine_.grid_.size[2];
   }
-  [[nodiscard]] const std::vector<ShadedVoxel>& shaded_of(std::int64_t slice) const {
-    return fine_.sources_.front().shaded[static_cast<std::size_t>(slice - fine_.first_[2])];
+  [[nodiscard]] const LitVoxels& lit_of(std::int64_t slice) const {
+    return fine_.sources_.front().lit[static_cast<std::size_t>(slice - fine_.first_[2])];
   }
 
-  /// Adds the voxels of a run to the sums of their blocks. `shaded`: the first shaded voxel of the slice that
-  /// is not before them; returns that behind them.
-  const ShadedVoxel* add(std::int64_t slice, const ClassRun& run, const ShadedVoxel* shaded) {
-    const std::vector<ShadedVoxel>& of_slice = shaded_of(slice);
-    const ShadedVoxel* const end = of_slice.data() + of_slice.size();
-    const auto* optics = reinterpret_cast<const float*>(fine_.sources_.front().values.data());
-    std::size_t at =
-        4 * fine_.place(run.start - fine_.first_[0], run.row - fine_.first_[1], slice - fine_.first_[2]);
-    for (std::uint32_t voxel = run.start; voxel < run.start + run.length; ++voxel, at += 4) {
-      if (optics[at] <= 0) continue;
-      const bool is_shaded = shaded != end && shaded->place == at + 1;
-      const float* const emission = is_shaded ? shaded->color.data() : optics + at + 1;
+  /// Adds the voxels of a run to the sums of their blocks. `lit`: of the slice.
+  void add(std::int64_t slice, const ClassRun& run, LitCursor& lit) {
+    const std::int64_t x = run.start - fine_.first_[0], y = run.row - fine_.first_[1];
+    const auto* optics = reinterpret_cast<const float*>(fine_.sources_.front().values.data()) +
+                         4 * fine_.place(x, y, slice - fine_.first_[2]);
+    std::uint32_t number = fine_.number(x, y);
+    for (std::uint32_t voxel = run.start; voxel < run.start + run.length; ++voxel, ++number, optics += 4) {
+      if (optics[0] <= 0) continue;
+      const LitVoxel* const is_lit = lit.find(number);
+      std::array<float, 3> emission{optics[1], optics[2], optics[3]};
+      if (is_lit != nullptr) {
+        for (std::size_t c = 0; c < 3; ++c) emission[c] = is_lit->white * lit.color()[c];
+      }
       const float weight = emission[0] + emission[1] + emission[2];
       VoxelSums& sums = sums_[static_cast<std::size_t>((voxel >> level_) - coarse_.first_[0])];
-      sums.extinction += optics[at];
+      sums.extinction += optics[0];
       for (std::size_t c = 0; c < 3; ++c) sums.emission[c] += emission[c];
       sums.weight += weight;
-      if (!is_shaded) continue;
-      const float share = static_cast<float>(shaded->lit) / splatlas::ShadedVoxel::kAllLit;
-      sums.add_light(weight * share, shaded->normal, unpacked_);
-      ++shaded;
+      if (is_lit == nullptr) continue;
+      const float share = static_cast<float>(is_lit->lit) / LitVoxel::kAllLit;
+      sums.add_light(weight * share, is_lit->normal, unpacked_);
     }
-    return shaded;
   }
 
   /// Writes the means of a row, and clears its sums. Returns their number.
@@ -89,8 +90,8 @@ class RayVolume::Averager {
       optics[at] = sums.extinction * per_voxel;
       for (std::size_t c = 0; c < 3; ++c) optics[at + 1 + c] = sums.emission[c] * per_voxel;
       if (const std::uint16_t lit = sums.lit_share(); lit > 0) {
-        source.shaded[static_cast<std::size_t>(z)].push_back(
-            {at + 1, pack_normal(sums.normal), lit, {optics[at + 1], optics[at + 2], optics[at + 3]}});
+        source.lit[static_cast<std::size_t>(z)].add(
+            coarse_.number(x, y), {sums.weight * per_voxel, pack_normal(sums.normal), lit}, sums.color());
       }
       mark_around(mask, seen, x, y);
       sums = {};
@@ -124,7 +125,7 @@ Result<RayVolume> RayVolume::means(const SelectedRuns& runs, int level, ThreadPo
   Source& source = coarse.sources_.emplace_back();
   SPLATLAS_ASSIGN_OR_RETURN(
       source.values, SparseBytes::reserve(coarse.place(0, 0, coarse.grid_.size[2]) * 4 * sizeof(float)));
-  source.shaded.resize(slices);
+  source.lit.resize(slices);
 
   // Average slices in parallel
   BrickMask mask(coarse.grid_);
@@ -138,7 +139,7 @@ Result<RayVolume> RayVolume::means(const SelectedRuns& runs, int level, ThreadPo
   coarse.views_.push_back(
       {.optics = reinterpret_cast<const float*>(source.values.data()), .active = source.active.data()});
   coarse.voxels_ = std::accumulate(blocks.begin(), blocks.end(), std::uint64_t{0});
-  for (const auto& slice : source.shaded) coarse.shaded_voxels_ += slice.size();
+  for (const LitVoxels& slice : source.lit) coarse.lit_voxels_ += slice.voxels.size();
   return coarse;
 }
 

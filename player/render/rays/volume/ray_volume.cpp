@@ -47,7 +47,7 @@ class RayVolume::Builder {
       }
       for (std::size_t n = 0; n < any.bricks.size(); ++n) any.bricks[n] |= mask.bricks[n];
       source.active = brick_sums(mask);
-      for (const auto& slice : source.shaded) volume_.shaded_voxels_ += slice.size();
+      for (const LitVoxels& slice : source.lit) volume_.lit_voxels_ += slice.voxels.size();
     }
     volume_.active_ = brick_sums(any);
     for (const Source& source : volume_.sources_) volume_.views_.push_back(view_of_source(source));
@@ -191,7 +191,7 @@ class RayVolume::Builder {
       source.values.expect_dense(0, source.values.size());
       source.colors.expect_dense(0, source.colors.size());
     }
-    source.shaded.resize(static_cast<std::size_t>(size[2]));
+    source.lit.resize(static_cast<std::size_t>(size[2]));
     return {};
   }
 
@@ -306,7 +306,7 @@ class RayVolume::Builder {
           const std::size_t at = first + kFour * static_cast<std::size_t>(n);
           std::copy(color.begin(), color.end(), colors + at);
           colors[at + 3] = 1;
-          record_shaded(source, z, light, n, at, color);
+          list_lit(source, piece, z, light, n, 1, color);
         }
       });
     });
@@ -335,7 +335,7 @@ class RayVolume::Builder {
           const std::array<float, 3> emission = appearance.emission(voxel);
           optics[at] = voxel.extinction_per_mm;
           std::copy(emission.begin(), emission.end(), optics + at + 1);
-          record_shaded(source, z, light, n, at + 1, emission);
+          list_lit(source, piece, z, light, n, voxel.extinction_per_mm * voxel.shade, appearance.color);
           mark_around(mask, seen, piece.x + n, piece.y);
         }
       });
@@ -362,14 +362,15 @@ class RayVolume::Builder {
                          static_cast<std::uint32_t>(piece.x + volume_.first_[0]),
                          static_cast<std::uint32_t>(piece.length));
   }
-  static void record_shaded(Source& source, std::int64_t z, const VoxelLight& light, std::int64_t n,
-                            std::size_t at, const std::array<float, 3>& color) {
+  /// Lists the n-th voxel of a piece if it is lit. `white`: its unlit emission of white.
+  void list_lit(Source& source, const Piece& piece, std::int64_t z, const VoxelLight& light, std::int64_t n,
+                float white, const std::array<float, 3>& color) const {
     if (light.normals == nullptr) return;
     const auto number = static_cast<std::size_t>(n);
-    const std::uint16_t lit = light.lit == nullptr ? splatlas::ShadedVoxel::kAllLit : light.lit[number];
+    const std::uint16_t lit = light.lit == nullptr ? LitVoxel::kAllLit : light.lit[number];
     if (lit == 0) return;
-    source.shaded[static_cast<std::size_t>(z)].push_back(
-        {at, light.normals[number * light.stride], lit, color});
+    source.lit[static_cast<std::size_t>(z)].add(volume_.number(piece.x + n, piece.y),
+                                                {white, light.normals[number * light.stride], lit}, color);
   }
 
   const RayVolumeRequest& request_;

@@ -14,6 +14,7 @@
 #include "player/picture.h"
 #include "player/render/decode/block_volume.h"
 #include "player/render/decode/class_cache.h"
+#include "player/render/decode/lit_voxels.h"
 #include "player/render/decode/selected_runs.h"
 #include "player/render/decode/span_blocks.h"
 #include "player/render/light/voxel_light.h"
@@ -95,13 +96,6 @@ class RayVolume {
   [[nodiscard]] std::uint64_t runs() const { return runs_; }
 
  private:
-  /// A voxel whose colour depends on the view.
-  struct ShadedVoxel {
-    std::size_t place = 0;  // offset of the first of its three colour values
-    PackedNormal normal = 0;
-    std::uint16_t lit = 0;
-    std::array<float, 3> color{};  // unshaded
-  };
   struct Source {
     std::unique_ptr<PreintegratedTransfer> transfer;  // null: pre-classified
     GreyScale scale;
@@ -110,13 +104,17 @@ class RayVolume {
     bool many_colors = false;
     SparseBytes values, colors;
     std::vector<std::uint32_t> active;
-    std::vector<std::vector<ShadedVoxel>> shaded;  // by slice
+    std::vector<LitVoxels> lit;  // by slice, with number()
   };
   class Builder;
   class Averager;
   /// Padding of the selection's bounding box by empty voxels.
   static constexpr std::int64_t kMargin = 2;
 
+  /// Number of a voxel in its slice of the box.
+  [[nodiscard]] std::uint32_t number(std::int64_t x, std::int64_t y) const {
+    return static_cast<std::uint32_t>(place(x, y, 0));
+  }
   /// Offset of a voxel of the box.
   [[nodiscard]] std::size_t place(std::int64_t x, std::int64_t y, std::int64_t z) const {
     return static_cast<std::size_t>((z * grid_.size[1] + y) * grid_.size[0] + x);
@@ -128,7 +126,7 @@ class RayVolume {
   std::vector<MarchSource> views_;
   std::vector<std::uint32_t> active_;
   SparseBytes numbers_, cell_numbers_;
-  std::uint64_t runs_ = 0, voxels_ = 0, shaded_voxels_ = 0;
+  std::uint64_t runs_ = 0, voxels_ = 0, lit_voxels_ = 0;
   Classification classification_ = Classification::kBefore;
   bool shade_ = false;
   std::optional<ParallelView> lit_for_;  // none: not lit, or partly lit

@@ -30,7 +30,7 @@ void BlockSpans::prepare(Axis axis, bool shade, const ParallelView& view, const 
   }
   if (!shade || (lit_for_ && have_same_lighting(*lit_for_, view))) return;
   lit_for_.reset();  // in case the task is cancelled
-  shade_spans(spans_->model(), lighting.table(), pool);
+  light_spans(spans_->model(), lighting.table(), pool);
   lit_for_ = view;
 }
 
@@ -59,9 +59,9 @@ void BlockSpans::scale_by_shares(SpanModel& spans, ThreadPool& pool) const {
       float* const optics = slice.optics.data() + lane / kBlock * block_floats + lane % kBlock;
       for (std::size_t c = 0; c <= emissions; ++c) optics[c * kBlock] *= shares[lane];
     }
-    for (ShadedVoxel& voxel : slice.shaded) {
-      const float share = shares[voxel.place / block_floats * kBlock + voxel.place % block_floats];
-      for (std::size_t c = 0; c < emissions; ++c) voxel.emission[c] *= share;
+    for (const LitRun& run : slice.lit.runs) {
+      for (std::uint32_t lit = 0; lit < run.count; ++lit)
+        slice.lit.voxels[run.first + lit].white *= shares[run.number + lit];
     }
   });
 }

@@ -147,10 +147,9 @@ void SpanBuilder::write_slice(const SpanRequest& request, std::int64_t slice, Vo
     if (model_.axis == Axis::kY) prefetch(voxel + kRowsAhead * row_step, piece.length, request.cache);
     writer.add(piece.start, piece.length);
     appearance.volume.look_up(request.cache.values(), voxel, scan_step, piece.length,
-                              writer.extinctions(piece.start), writer.emissions(piece.start, 0));
-    if (model_.emissions == 3) writer.color(piece.start, piece.length, appearance.volume.color);
-    writer.shade(
-        piece.start, piece.length,
+                              writer.extinctions(piece.start), writer.whites(piece.start));
+    writer.color(
+        piece.start, piece.length, appearance.volume.color,
         lighter.light(appearance.volume, appearance.boundary, slice, piece.row, piece.start, piece.length));
   };
 
@@ -229,13 +228,13 @@ void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
   pool.for_each((to_build.size() + kSlicesAtOnce - 1) / kSlicesAtOnce, [&](std::size_t part) {
     const std::size_t first = part * kSlicesAtOnce;
     lighters.with([&](VoxelLighter& lighter) {
-      std::size_t shaded = 0;  // of the slice before, which is usually similar
+      std::size_t lit = 0;  // voxels of the slice before, which is usually similar
       for (std::size_t n = first; n < std::min(first + kSlicesAtOnce, to_build.size()); ++n) {
         SliceSpans& slice = model_.slices[to_build[n]];
         slice.optics = arena_.lend(max_floats(request, slice.number));
-        slice.shaded.reserve(shaded + shaded / 8);
+        slice.lit.voxels.reserve(lit + lit / 8);
         write_slice(request, slice.number, lighter, slice);
-        shaded = slice.shaded.size();
+        lit = slice.lit.voxels.size();
         arena_.settle(slice.optics);
       }
     });
@@ -245,7 +244,7 @@ void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
   slices_built_ = to_build.size();
   for (const SliceSpans& slice : model_.slices) {
     model_.voxels += slice.voxels;
-    model_.shaded_voxels += slice.shaded.size();
+    model_.lit_voxels += slice.lit.voxels.size();
   }
   arena_.trim(std::max(arena_.bytes_in_use(), kMaxUnusedBytes));
 }

@@ -30,7 +30,7 @@ struct SpanRequest {
   const ClassTable& classes;
   const Grid& grid;
   const ClassCache& cache;
-  bool shade = true;                               ///< list lit voxels for shade_spans()
+  bool shade = true;                               ///< list lit voxels for light_spans()
   std::optional<SheetStrip> strip = std::nullopt;  ///< of the voxels; none: all
 
   /// Calls take(run, index into the plan's classes) for the runs of a slice of the grid.

@@ -54,10 +54,10 @@ class SliceAverager {
     for (std::int64_t of = slice << level_; of < (slice + 1) << level_; ++of) {
       const SliceSpans* const voxels = fine.slice(of);
       if (voxels == nullptr) continue;
-      const ShadedVoxel* shaded = voxels->shaded.data();
+      LitCursor lit(voxels->lit);
       for (std::int64_t row = voxels->first_row; row < voxels->last_row; ++row) {
         for (const Span& span : voxels->row(row)) {
-          shaded = add(*voxels, row, span, shaded);
+          add(*voxels, row, span, lit);
           blocks += (std::size_t{span.blocks} >> level_) + 3;
         }
       }
@@ -109,40 +109,34 @@ class SliceAverager {
     rows_[row].first = std::min(rows_[row].first, index(run.start));
     rows_[row].last = std::max(rows_[row].last, index(run.start + run.length - 1) + 1);
   }
-  /// Adds the voxels of a span. `shaded`: the first shaded voxel of the slice that is not before them;
-  /// returns that behind them.
-  const ShadedVoxel* add(const SliceSpans& slice, std::int64_t row_of_grid, const Span& span,
-                         const ShadedVoxel* shaded) {
-    const ShadedVoxel* const end = slice.shaded.data() + slice.shaded.size();
+  /// Adds the voxels of a span. `lit`: of the slice.
+  void add(const SliceSpans& slice, std::int64_t row_of_grid, const Span& span, LitCursor& lit) {
     const auto row = static_cast<std::size_t>((row_of_grid >> level_) - model_.row_first);
     const std::uint32_t first = span.first_block << kBlockBits;
     for (std::uint32_t voxel = first; voxel < first + (span.blocks << kBlockBits); ++voxel) {
-      const std::size_t place = slice.place(span, voxel);
-      const float* const optics = slice.optics.data() + place;
-      const bool is_shaded = shaded != end && shaded->place == place;
-      if (optics[0] > 0) {
-        const std::size_t at = index(voxel);
-        VoxelSums& sums = sums_[row * width_ + at];
-        rows_[row] = {std::min(rows_[row].first, at), std::max(rows_[row].last, at + 1)};
-        std::array<float, 3> emission{};
-        for (std::size_t c = 0; c < static_cast<std::size_t>(slice.emissions); ++c)
-          emission[c] = is_shaded ? shaded->emission[c] : optics[(c + 1) * kBlock];
-        const float weight = emission[0] + emission[1] + emission[2];
-        sums.extinction += optics[0];
-        sums.weight += weight;
-        for (std::size_t c = 0; c < 3; ++c) sums.emission[c] += emission[c];
-        if (is_shaded && request_.shade)
-          sums.add_light(weight * static_cast<float>(shaded->lit) / ShadedVoxel::kAllLit, shaded->normal,
-                         unpacked_);
-      }
-      if (is_shaded) ++shaded;
+      const std::uint32_t lane = SliceSpans::lane_of(span, voxel);
+      const float* const optics = slice.optics.data() + slice.place(lane);
+      if (optics[0] <= 0) continue;
+      const std::size_t at = index(voxel);
+      VoxelSums& sums = sums_[row * width_ + at];
+      rows_[row] = {std::min(rows_[row].first, at), std::max(rows_[row].last, at + 1)};
+      const LitVoxel* const is_lit = lit.find(lane);
+      std::array<float, 3> emission{};
+      for (std::size_t c = 0; c < static_cast<std::size_t>(slice.emissions); ++c)
+        emission[c] = is_lit != nullptr ? is_lit->white * lit.color()[c] : optics[(c + 1) * kBlock];
+      const float weight = emission[0] + emission[1] + emission[2];
+      sums.extinction += optics[0];
+      sums.weight += weight;
+      for (std::size_t c = 0; c < 3; ++c) sums.emission[c] += emission[c];
+      if (is_lit != nullptr && request_.shade)
+        sums.add_light(weight * static_cast<float>(is_lit->lit) / LitVoxel::kAllLit, is_lit->normal,
+                       unpacked_);
     }
-    return shaded;
   }
   /// The lit share of the n-th voxel.
   static float share_of(const VoxelLight& light, std::uint32_t n) {
     if (light.normals == nullptr) return 0;
-    return light.lit == nullptr ? 1 : static_cast<float>(light.lit[n]) / ShadedVoxel::kAllLit;
+    return light.lit == nullptr ? 1 : static_cast<float>(light.lit[n]) / LitVoxel::kAllLit;
   }
 
   [[nodiscard]] std::size_t index(std::uint32_t voxel) const {
@@ -167,14 +161,12 @@ class SliceAverager {
       for (std::size_t n = begin; n < end; ++n) {
         const VoxelSums& sums = row_sums[n];
         writer.extinctions(first)[n - begin] = sums.extinction * per_voxel;
-        for (int c = 0; c < model_.emissions; ++c) {
-          const float sum = model_.emissions == 1 ? sums.weight : sums.emission[static_cast<std::size_t>(c)];
-          writer.emissions(first, c)[n - begin] = sum * per_voxel;
-        }
+        writer.whites(first)[n - begin] = sums.weight * per_voxel;
         if (sums.lit > 0) normals_[n] = pack_normal(sums.normal);
         lit_[n] = sums.lit_share();
+        writer.color(first + static_cast<std::uint32_t>(n - begin), 1, sums.color(),
+                     {&normals_[n], 1, &lit_[n]});
       }
-      writer.shade(first, count, {&normals_[begin], 1, &lit_[begin]});
       begin = end;
     }
     writer.end_row(model_.row_first + static_cast<std::int64_t>(row));
@@ -234,14 +226,14 @@ CoarseSpans::CoarseSpans(const SpanRequest& request, const SpanModel* fine, int 
   });
   for (const SliceSpans& slice : model_.slices) {
     model_.voxels += slice.voxels;
-    model_.shaded_voxels += slice.shaded.size();
+    model_.lit_voxels += slice.lit.voxels.size();
   }
 }
 
 void CoarseSpans::light(const ParallelView& view, const Lighting& lighting, ThreadPool& pool) {
   if (lit_for_ && have_same_lighting(*lit_for_, view)) return;
   lit_for_.reset();  // in case the task is cancelled
-  if (model_.shaded_voxels > 0) shade_spans(model_, lighting.table(), pool);
+  if (model_.lit_voxels > 0) light_spans(model_, lighting.table(), pool);
   lit_for_ = view;
 }
 

@@ -22,8 +22,8 @@ struct SliceSpans {
   std::vector<std::uint32_t> first_span;     ///< last_row - first_row + 1 offsets; empty without spans
   std::vector<Span> spans;                   ///< by row, then position
   OpticalBuffer optics;                      ///< of all blocks
-  std::vector<ShadedVoxel> shaded;
-  std::uint64_t voxels = 0;  ///< selected voxels with an extinction above 0
+  LitVoxels lit;                             ///< by lane
+  std::uint64_t voxels = 0;                  ///< selected voxels with an extinction above 0
 
   /// The spans of a row of the grid.
   [[nodiscard]] std::span<const Span> row(std::int64_t n) const {
@@ -33,12 +33,17 @@ struct SliceSpans {
   }
   /// Floats per block.
   [[nodiscard]] std::int64_t block_floats() const { return kBlock * (1 + emissions); }
-  /// Index in `optics` of the extinction of a voxel of a span, given by its position in the scanline. The
-  /// emissions follow at a stride of kBlock.
+  /// Lane of a voxel of a span, given by its position in the scanline: its number among those of all blocks.
+  [[nodiscard]] static std::uint32_t lane_of(const Span& span, std::uint32_t voxel) {
+    return voxel + ((span.offset - span.first_block) << kBlockBits);
+  }
+  /// Index in `optics` of the extinction of a voxel. The emissions follow at a stride of kBlock.
+  [[nodiscard]] std::size_t place(std::uint32_t lane) const {
+    return std::size_t{lane >> kBlockBits} * static_cast<std::size_t>(block_floats()) +
+           (lane & static_cast<std::uint32_t>(kBlock - 1));
+  }
   [[nodiscard]] std::size_t place(const Span& span, std::uint32_t voxel) const {
-    const std::uint32_t block = span.offset + (voxel >> kBlockBits) - span.first_block;
-    return std::size_t{block} * static_cast<std::size_t>(block_floats()) +
-           (voxel & static_cast<std::uint32_t>(kBlock - 1));
+    return place(lane_of(span, voxel));
   }
 };
 
@@ -53,7 +58,7 @@ struct SpanModel {
   double mean_densest_per_mm = 0;
   std::vector<SliceSpans> slices;  ///< by number; slices without spans may be missing
   std::uint64_t voxels = 0;
-  std::uint64_t shaded_voxels = 0;  ///< voxels with hybrid shading
+  std::uint64_t lit_voxels = 0;
 
   /// Index of the first slice with at least this number.
   [[nodiscard]] std::size_t place_of(std::int64_t number) const {
@@ -69,18 +74,32 @@ struct SpanModel {
   }
 };
 
-/// Multiplies the lit part of the emission of a shaded voxel of a slice by `factors[normal]`.
-inline void shade(const ShadedVoxel& voxel, std::span<const float> factors, SliceSpans& slice) {
-  const float factor = lit_factor(factors[voxel.normal], voxel.lit);
-  for (std::size_t c = 0; c < static_cast<std::size_t>(slice.emissions); ++c)
-    slice.optics.data()[voxel.place + (c + 1) * kBlock] = voxel.emission[c] * factor;
+/// Lights voxels [first, last) of a run of a slice: multiplies the lit part of their unlit emissions by
+/// `factors[normal]`.
+inline void light_run(const LitRun& run, std::uint32_t first, std::uint32_t last,
+                      std::span<const float> factors, SliceSpans& slice) {
+  const LitVoxel* voxels = slice.lit.voxels.data() + run.first + (first - run.number);
+  while (first < last) {
+    const auto lane = static_cast<std::int64_t>(first & static_cast<std::uint32_t>(kBlock - 1));
+    const std::int64_t count = std::min<std::int64_t>(kBlock - lane, last - first);
+    std::array<float, kBlock> of_voxels{};
+    for (std::int64_t n = 0; n < count; ++n)
+      of_voxels[static_cast<std::size_t>(n)] = voxels[n].factor(factors[voxels[n].normal]);
+    float* emission = slice.optics.data() + slice.place(first) + kBlock;
+    for (std::size_t c = 0; c < static_cast<std::size_t>(slice.emissions); ++c, emission += kBlock) {
+      for (std::int64_t n = 0; n < count; ++n)
+        emission[n] = voxels[n].white * run.color[c] * of_voxels[static_cast<std::size_t>(n)];
+    }
+    voxels += count;
+    first += static_cast<std::uint32_t>(count);
+  }
 }
 
-/// Multiplies the emission of shaded voxels by `factors[normal]` (65536 entries), once per change of view.
-inline void shade_spans(SpanModel& model, std::span<const float> factors, ThreadPool& pool) {
+/// Lights all voxels, once per change of view. `factors`: 65536, by packed normal.
+inline void light_spans(SpanModel& model, std::span<const float> factors, ThreadPool& pool) {
   pool.for_each(model.slices.size(), [&](std::size_t n) {
     SliceSpans& slice = model.slices[n];
-    for (const ShadedVoxel& voxel : slice.shaded) shade(voxel, factors, slice);
+    for (const LitRun& run : slice.lit.runs) light_run(run, run.number, run.end(), factors, slice);
   });
 }
 

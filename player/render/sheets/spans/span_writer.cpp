@@ -9,6 +9,8 @@
 namespace splatlas {
 namespace {
 
+constexpr std::array<float, 3> kWhite{1, 1, 1};
+
 std::uint32_t block_of(std::int64_t voxel) {
   return static_cast<std::uint32_t>(voxel >> kBlockBits);
 }
@@ -28,7 +30,7 @@ SpanWriter::SpanWriter(int emissions, SliceSpans& out) : out_(out) {
   out.first_span.clear();
   out.spans.clear();
   out.optics.clear();
-  out.shaded.clear();
+  out.lit.clear();
   out.voxels = 0;
 }
 
@@ -47,7 +49,7 @@ void SpanWriter::make_room(std::size_t floats) {
   const auto before = static_cast<std::size_t>(plane_floats_);
   if (floats <= before) return;
   const std::size_t now = std::max({floats, 2 * before, std::size_t{512}});
-  const std::size_t planes = 1 + static_cast<std::size_t>(out_.emissions);
+  const auto planes = static_cast<std::size_t>(white_plane() + 1);
   std::vector<float> line(now * planes);
   for (std::size_t plane = 0; plane < planes; ++plane)
     std::copy_n(line_.data() + plane * before, before, line.data() + plane * now);
@@ -55,12 +57,19 @@ void SpanWriter::make_room(std::size_t floats) {
   plane_floats_ = static_cast<std::int64_t>(now);
 }
 
-void SpanWriter::color(std::uint32_t first, std::uint32_t count, const std::array<float, 3>& color) {
-  const float* const white = emissions(first, 0);
-  for (const int c : {2, 1, 0}) {
-    float* const colored = emissions(first, c);
-    for (std::uint32_t n = 0; n < count; ++n) colored[n] = white[n] * color[static_cast<std::size_t>(c)];
+void SpanWriter::color(std::uint32_t first, std::uint32_t count, const std::array<float, 3>& color,
+                       const VoxelLight& light) {
+  float* const extinction = extinctions(first);
+  const std::array<float, 3>& of_voxels = out_.emissions == 1 ? kWhite : color;
+  if (out_.emissions == 3) {
+    const float* const white = whites(first);
+    for (std::int64_t c = 0; c < 3; ++c) {
+      float* const colored = extinction + (1 + c) * plane_floats_;
+      for (std::uint32_t n = 0; n < count; ++n) colored[n] = white[n] * color[static_cast<std::size_t>(c)];
+    }
   }
+  if (light.normals == nullptr) return;
+  lit_.push_back({first, count, static_cast<std::size_t>(extinction - line_.data()), of_voxels, light});
 }
 
 void SpanWriter::end_row(std::int64_t row) {
@@ -73,8 +82,8 @@ void SpanWriter::end_row(std::int64_t row) {
   blocks_.clear();
   end_span(first_of_row);
   std::size_t s = first_of_row;
-  for (const ShadedRun& run : shaded_) list(run, s);
-  shaded_.clear();
+  for (const Run& run : lit_) list(run, s);
+  lit_.clear();
   if (out_.spans.size() == first_of_row) return;
   if (out_.first_span.empty()) out_.first_row = row;
   out_.first_span.resize(static_cast<std::size_t>(row - out_.first_row) + 1,
@@ -126,7 +135,8 @@ void SpanWriter::end_span(std::size_t first_of_row) {
 }
 
 /// Lists the lit voxels of a run, block by block. `s`: the first span of the row that may hold them.
-void SpanWriter::list(const ShadedRun& run, std::size_t& s) {
+void SpanWriter::list(const Run& run, std::size_t& s) {
+  const float* const whites = line_.data() + white_plane() * plane_floats_ + run.place;
   const std::vector<Span>& spans = out_.spans;
   const std::uint32_t end = run.first + run.count;
   for (std::uint32_t voxel = run.first; voxel < end;) {
@@ -134,18 +144,14 @@ void SpanWriter::list(const ShadedRun& run, std::size_t& s) {
     if (s == spans.size()) return;
     voxel = std::max(voxel, spans[s].first_block << kBlockBits);
     const std::uint32_t last = std::min(end, (block_of(voxel) + 1) << kBlockBits);
-    const std::size_t place = out_.place(spans[s], voxel);
-    for (std::size_t n = 0; voxel < last; ++n, ++voxel) {
+    std::uint32_t lane = SliceSpans::lane_of(spans[s], voxel);
+    const float* optics = out_.optics.data() + out_.place(lane);
+    for (; voxel < last; ++voxel, ++lane, ++optics) {
       const std::size_t of_run = voxel - run.first;
-      const std::uint16_t lit = run.light.lit == nullptr ? ShadedVoxel::kAllLit : run.light.lit[of_run];
-      const float* const optics = out_.optics.data() + place + n;
+      const std::uint16_t lit = run.light.lit == nullptr ? LitVoxel::kAllLit : run.light.lit[of_run];
       if (lit == 0 || optics[0] <= 0) continue;
-      ShadedVoxel& shaded = out_.shaded.emplace_back();
-      shaded.place = place + n;
-      shaded.normal = run.light.normals[of_run * run.light.stride];
-      shaded.lit = lit;
-      for (int c = 0; c < out_.emissions; ++c)
-        shaded.emission[static_cast<std::size_t>(c)] = optics[(c + 1) * kBlock];
+      const float white = out_.emissions == 1 ? optics[kBlock] : whites[of_run];
+      out_.lit.add(lane, {white, run.light.normals[of_run * run.light.stride], lit}, run.color);
     }
   }
 }

@@ -30,12 +30,14 @@ class SpanWriter {
   [[nodiscard]] float* emissions(std::uint32_t first, int n) {
     return extinctions(first) + (1 + n) * plane_floats_;
   }
-  /// Multiplies emission 0, that of white, by a colour to get all three emissions.
-  void color(std::uint32_t first, std::uint32_t count, const std::array<float, 3>& color);
-  /// Lists the lit ones of added voxels. `light` must be valid until the end of the row.
-  void shade(std::uint32_t first, std::uint32_t count, const VoxelLight& light) {
-    if (light.normals != nullptr) shaded_.push_back({first, count, light});
+  /// Emissions of white of the latest voxels, from `first` on.
+  [[nodiscard]] float* whites(std::uint32_t first) {
+    return extinctions(first) + white_plane() * plane_floats_;
   }
+  /// Sets the emissions of some of the latest voxels to those of white times a colour, which volumes of one
+  /// colour ignore, and lists the lit ones. `light` must be valid until the end of the row.
+  void color(std::uint32_t first, std::uint32_t count, const std::array<float, 3>& color,
+             const VoxelLight& light = {});
   /// Appends the row's spans. Rows of the grid come in ascending order.
   void end_row(std::int64_t row);
   /// Completes the offsets, after the last row.
@@ -48,21 +50,28 @@ class SpanWriter {
     std::size_t place = 0;
     [[nodiscard]] std::size_t end() const { return place + (std::size_t{last - first} << kBlockBits); }
   };
-  struct ShadedRun {
+  /// Voxels of a row that may be lit.
+  struct Run {
     std::uint32_t first = 0, count = 0;
+    std::size_t place = 0;  // of the first in every plane of the buffer
+    std::array<float, 3> color{};
     VoxelLight light;
   };
+  /// Plane of the emissions of white: the only ones, or behind the three others.
+  [[nodiscard]] std::int64_t white_plane() const { return out_.emissions == 1 ? 1 : 4; }
   void make_room(std::size_t floats);
   void keep(std::uint32_t block, float* line, std::size_t first_of_row);
   void append(const float* line);
   void end_span(std::size_t first_of_row);
-  void list(const ShadedRun& run, std::size_t& s);
+  void list(const Run& run, std::size_t& s);
 
   SliceSpans& out_;
   std::int64_t plane_floats_ = 0;
-  std::vector<float> line_;  // planes: extinction, emissions; zero outside blocks_
+  // Planes: extinction, emissions, and the emission of white if there are three others. All but the last are
+  // zero outside blocks_.
+  std::vector<float> line_;
   std::vector<Blocks> blocks_;
-  std::vector<ShadedRun> shaded_;
+  std::vector<Run> lit_;
 };
 
 }  // namespace splatlas

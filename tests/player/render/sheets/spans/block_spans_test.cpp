@@ -148,7 +148,7 @@ TEST(BlockSpans, AreLitAsABallOfSuchVoxelsIs) {
   for (const Axis axis : kAxes) {
     spans.prepare(axis, true, view, lighting, prepared.pool);
     SpanModel voxels = alike.spans(axis);
-    shade_spans(voxels, lighting.table(), alike.pool);
+    light_spans(voxels, lighting.table(), alike.pool);
     EXPECT_LT(light_error(spans.model(), spans.grid(), {11.625, 11.375, 11.875}, 9.5, lighting),
               1.1 * light_error(voxels, alike.atlas->grid(), {12, 12, 12}, 9.5, lighting));
   }

@@ -26,7 +26,7 @@ TEST(BuildSpans, HoldsTheLightOfEverySelectedVoxelWithAndWithoutShading) {
     for (const Axis axis : kAxes) {
       SpanModel model = prepared.spans(axis);
       for (const bool shade : {false, true, false}) {
-        shade_spans(model, shade ? Lighting(view).table() : std::vector<float>(65536, 1.0f), prepared.pool);
+        light_spans(model, shade ? Lighting(view).table() : std::vector<float>(65536, 1.0f), prepared.pool);
         const reference::OpticalField field =
             reference::optical_field(scene.content, scene.selection, view, shade);
         ASSERT_NEAR(model.mean_densest_per_mm, field.mean_densest, 1e-6 * field.mean_densest);
@@ -84,7 +84,7 @@ TEST(BuildSpans, TakesNoMoreMemoryThanItSays) {
         std::uint64_t bytes = 0;
         for (const SliceSpans& slice : model.slices) {
           bytes += slice.optics.size() * sizeof(float) + slice.spans.size() * sizeof(Span) +
-                   slice.shaded.size() * sizeof(ShadedVoxel);
+                   slice.lit.voxels.size() * sizeof(LitVoxel) + slice.lit.runs.size() * sizeof(LitRun);
         }
         EXPECT_LE(bytes, span_model_bytes(prepared.plan.volume_voxels, prepared.atlas->runs(Axis::kZ)))
             << visible << " visible, " << gap << " not";
@@ -98,16 +98,15 @@ bool equal(const SliceSpans& a, const SliceSpans& b) {
     return std::tie(s.number, s.emissions, s.first_row, s.last_row, s.first_span, s.voxels);
   };
   const auto of_span = [](const Span& s) { return std::tie(s.first_block, s.blocks, s.voxels, s.offset); };
-  const auto of_voxel = [](const ShadedVoxel& v) { return std::tie(v.place, v.normal, v.emission); };
   return facts(a) == facts(b) && std::ranges::equal(a.spans, b.spans, {}, of_span, of_span) &&
          std::equal(a.optics.data(), a.optics.data() + a.optics.size(), b.optics.data(),
                     b.optics.data() + b.optics.size()) &&
-         std::ranges::equal(a.shaded, b.shaded, {}, of_voxel, of_voxel);
+         a.lit == b.lit;
 }
 
 void expect_equal(const SpanModel& a, const SpanModel& b) {
   ASSERT_EQ(a.voxels, b.voxels);
-  ASSERT_EQ(a.shaded_voxels, b.shaded_voxels);
+  ASSERT_EQ(a.lit_voxels, b.lit_voxels);
   ASSERT_EQ(a.color, b.color);
   ASSERT_EQ(std::tuple(a.slice_first, a.slice_count, a.row_first, a.rows, a.scan_first, a.scan_voxels),
             std::tuple(b.slice_first, b.slice_count, b.row_first, b.rows, b.scan_first, b.scan_voxels));

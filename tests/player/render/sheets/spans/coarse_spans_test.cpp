@@ -57,7 +57,7 @@ TEST(CoarseSpans, LightTheSharesOfBoundaryVoxels) {
   for (const int n : {0, 1, 2, 3, 4, 5}) {
     const Axis axis = kAxes[static_cast<std::size_t>(n % 3)];
     SpanModel fine = prepared.spans(axis);
-    shade_spans(fine, Lighting(view).table(), prepared.pool);  // means are of unlit voxels
+    light_spans(fine, Lighting(view).table(), prepared.pool);  // means are of unlit voxels
     CoarseSpans spans = coarse_spans(prepared, axis, 1, n < 3 ? nullptr : &fine);
     spans.light(view, Lighting(view), prepared.pool);
     const Grid coarse = coarse_grid(volume.grid, 1);
@@ -77,13 +77,13 @@ TEST(CoarseSpans, AreNotLitUnlessTheRequestAsksForIt) {
   const RandomScene scene = random_scene(1, 20);
   PreparedSelection prepared(scene.content, scene.selection);
   const SpanModel fine = prepared.spans(Axis::kZ);
-  ASSERT_GT(fine.shaded_voxels, 0u);
+  ASSERT_GT(fine.lit_voxels, 0u);
   const SelectedRuns runs = prepared.runs(Axis::kZ);
   const CoarseSpans spans({runs, prepared.plan, prepared.appearances, prepared.atlas->classes(),
                            prepared.atlas->grid(), prepared.cache, false},
                           &fine, 1, prepared.pool);
   EXPECT_GT(spans.model().voxels, 0u);
-  EXPECT_EQ(spans.model().shaded_voxels, 0u);
+  EXPECT_EQ(spans.model().lit_voxels, 0u);
 }
 
 TEST(CoarseGrid, CoversTheGridFromItsCorner) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -77,25 +78,42 @@ TEST(SpanWriter, SpansEndInTheDark) {
       std::all_of(slice.optics.data() + 64, slice.optics.data() + 128, [](float f) { return f == 0; }));
 }
 
-TEST(SpanWriter, ListsShadedVoxelsThatAbsorb) {
+/// Runs end at gaps and where the colour changes, and pass over the borders of blocks.
+TEST(SpanWriter, ListsRunsOfLitVoxelsThatAbsorb) {
   SliceSpans slice;
-  SpanWriter writer(1, slice);
+  SpanWriter writer(3, slice);
   std::vector<PackedNormal> normals(200);
-  for (std::size_t n = 0; n < normals.size(); ++n) normals[n] = static_cast<PackedNormal>(n);
-  set(writer, 2, 3);
-  set(writer, 5, 35, 0);
-  set(writer, 40, 4);
-  writer.shade(2, 3, {normals.data() + 10, 3, nullptr});
-  writer.shade(5, 37, {normals.data() + 100, 1, nullptr});  // two of them absorb
+  std::iota(normals.begin(), normals.end(), PackedNormal{0});
+  const std::vector<std::uint16_t> lit{LitVoxel::kAllLit, 0, LitVoxel::kAllLit / 3};
+  writer.add(2, 42);
+  for (std::uint32_t n = 2; n < 44; ++n) {
+    *writer.extinctions(n) = n < 5 || n >= 30 ? 1 : 0;
+    *writer.whites(n) = *writer.extinctions(n) * static_cast<float>(n);
+  }
+  writer.color(2, 3, {1, 2, 4}, {normals.data() + 10, 1, lit.data()});
+  writer.color(5, 27, {8, 16, 32}, {normals.data() + 100, 3, nullptr});  // two of them absorb
+  writer.color(32, 12, {3, 3, 3}, {normals.data(), 0, nullptr});
   writer.end_row(0);
   writer.finish();
-  ASSERT_EQ(slice.shaded.size(), 5u);
-  const std::array<std::uint32_t, 5> voxels{2, 3, 4, 40, 41};
-  const std::array<PackedNormal, 5> expected{10, 13, 16, 135, 136};
-  for (std::size_t n = 0; n < 5; ++n) {
-    EXPECT_EQ(slice.shaded[n].place, slice.place(slice.spans[n < 3 ? 0 : 1], voxels[n]));
-    EXPECT_EQ(slice.shaded[n].normal, expected[n]);
-    EXPECT_EQ(slice.shaded[n].emission[0], static_cast<float>(voxels[n]));
+
+  for (const LitRun& run : slice.lit.runs)
+    light_run(run, run.number, run.end(), std::vector<float>(200, 0.5f), slice);
+  const auto lane = [&](std::uint32_t voxel) { return SliceSpans::lane_of(slice.spans[0], voxel); };
+  EXPECT_EQ(slice.lit.runs.size(), 4u);  // from voxels 2, 4, 30 and 32 on
+  ASSERT_EQ(slice.lit.voxels.size(), 16u);
+  EXPECT_EQ(slice.lit.voxels[1].normal, 12);
+  EXPECT_EQ(slice.lit.voxels[3].normal, 178);
+  LitCursor cursor(slice.lit);
+  for (const std::uint32_t n : {2, 3, 4, 30, 31, 32, 43}) {
+    const float* const optics = slice.optics.data() + slice.place(lane(n));
+    const float blue = n < 5    ? 4.0f
+                       : n < 32 ? 32.0f
+                                : 3.0f,
+                factor = n == 3   ? 1.0f
+                         : n == 4 ? 5.0f / 6
+                                  : 0.5f;
+    EXPECT_EQ(cursor.find(lane(n)) == nullptr, n == 3);
+    EXPECT_FLOAT_EQ(optics[3 * kBlock], static_cast<float>(n) * blue * factor) << n;
   }
 }
 
