@@ -18,7 +18,7 @@ check() {
   fi
 }
 
-check product 62840 format preprocess player schemas
-check tests 50200 tests
+check product 63000 format preprocess player schemas
+check tests 50250 tests
 check bench 8510 bench
 exit "$bad"

@@ -19,10 +19,9 @@ struct LitVoxel {
   PackedNormal normal = 0;
   std::uint16_t lit = kAllLit;  ///< share of the emission that depends on the normal
 
-  /// The factor of the emission, given that of its lit part.
-  [[nodiscard]] float factor(float of_lit) const {
-    if (lit == kAllLit) return of_lit;
-    return 1 + static_cast<float>(lit) / kAllLit * (of_lit - 1);
+  /// The lit emission of white, given the factor of the part that depends on the normal.
+  [[nodiscard]] float lit_white(float factor) const {
+    return white * (1 + static_cast<float>(lit) / kAllLit * (factor - 1));
   }
   friend bool operator==(const LitVoxel&, const LitVoxel&) = default;
 };

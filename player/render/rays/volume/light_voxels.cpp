@@ -17,8 +17,8 @@ void RayVolume::light(const ParallelView& view, const Lighting& lighting, Thread
         float* color = of_slice + std::size_t{4} * run.number;
         const LitVoxel* voxel = source.lit[slice].voxels.data() + run.first;
         for (std::uint32_t n = 0; n < run.count; ++n, ++voxel, color += 4) {
-          const float factor = voxel->factor(factors[voxel->normal]);
-          for (std::size_t c = 0; c < 3; ++c) color[c] = voxel->white * run.color[c] * factor;
+          const float white = voxel->lit_white(factors[voxel->normal]);
+          for (std::size_t c = 0; c < 3; ++c) color[c] = white * run.color[c];
         }
       }
     });

@@ -228,13 +228,15 @@ void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
   pool.for_each((to_build.size() + kSlicesAtOnce - 1) / kSlicesAtOnce, [&](std::size_t part) {
     const std::size_t first = part * kSlicesAtOnce;
     lighters.with([&](VoxelLighter& lighter) {
-      std::size_t lit = 0;  // voxels of the slice before, which is usually similar
+      std::size_t lit = 0, lit_runs = 0;  // of the slice before, which is usually similar
       for (std::size_t n = first; n < std::min(first + kSlicesAtOnce, to_build.size()); ++n) {
         SliceSpans& slice = model_.slices[to_build[n]];
         slice.optics = arena_.lend(max_floats(request, slice.number));
         slice.lit.voxels.reserve(lit + lit / 8);
+        slice.lit.runs.reserve(lit_runs + lit_runs / 8);
         write_slice(request, slice.number, lighter, slice);
         lit = slice.lit.voxels.size();
+        lit_runs = slice.lit.runs.size();
         arena_.settle(slice.optics);
       }
     });

@@ -78,20 +78,14 @@ struct SpanModel {
 /// `factors[normal]`.
 inline void light_run(const LitRun& run, std::uint32_t first, std::uint32_t last,
                       std::span<const float> factors, SliceSpans& slice) {
-  const LitVoxel* voxels = slice.lit.voxels.data() + run.first + (first - run.number);
-  while (first < last) {
-    const auto lane = static_cast<std::int64_t>(first & static_cast<std::uint32_t>(kBlock - 1));
-    const std::int64_t count = std::min<std::int64_t>(kBlock - lane, last - first);
-    std::array<float, kBlock> of_voxels{};
-    for (std::int64_t n = 0; n < count; ++n)
-      of_voxels[static_cast<std::size_t>(n)] = voxels[n].factor(factors[voxels[n].normal]);
-    float* emission = slice.optics.data() + slice.place(first) + kBlock;
-    for (std::size_t c = 0; c < static_cast<std::size_t>(slice.emissions); ++c, emission += kBlock) {
-      for (std::int64_t n = 0; n < count; ++n)
-        emission[n] = voxels[n].white * run.color[c] * of_voxels[static_cast<std::size_t>(n)];
-    }
-    voxels += count;
-    first += static_cast<std::uint32_t>(count);
+  const LitVoxel* voxel = slice.lit.voxels.data() + run.first + (first - run.number);
+  for (std::uint32_t lane = first; lane < last; ++lane, ++voxel) {
+    const float white = voxel->lit_white(factors[voxel->normal]);
+    float* const emission = slice.optics.data() + slice.place(lane) + kBlock;
+    emission[0] = white * run.color[0];
+    if (slice.emissions == 1) continue;
+    emission[kBlock] = white * run.color[1];
+    emission[2 * kBlock] = white * run.color[2];
   }
 }
 

@@ -138,22 +138,29 @@ void SpanWriter::end_span(std::size_t first_of_row) {
 void SpanWriter::list(const Run& run, std::size_t& s) {
   const float* const whites = line_.data() + white_plane() * plane_floats_ + run.place;
   const std::vector<Span>& spans = out_.spans;
+  auto& [runs, voxels] = out_.lit;
+  std::size_t size = voxels.size();
+  voxels.resize(size + run.count);
+  bool goes_on = false;
   const std::uint32_t end = run.first + run.count;
   for (std::uint32_t voxel = run.first; voxel < end;) {
     while (s < spans.size() && spans[s].first_block + spans[s].blocks <= block_of(voxel)) ++s;
-    if (s == spans.size()) return;
+    if (s == spans.size()) break;
     voxel = std::max(voxel, spans[s].first_block << kBlockBits);
     const std::uint32_t last = std::min(end, (block_of(voxel) + 1) << kBlockBits);
     std::uint32_t lane = SliceSpans::lane_of(spans[s], voxel);
-    const float* optics = out_.optics.data() + out_.place(lane);
-    for (; voxel < last; ++voxel, ++lane, ++optics) {
-      const std::size_t of_run = voxel - run.first;
+    const float* const white =
+        out_.emissions == 1 ? out_.optics.data() + out_.place(lane) + kBlock : whites + (voxel - run.first);
+    for (std::uint32_t n = 0, of_run = voxel - run.first; voxel < last; ++n, ++of_run, ++voxel, ++lane) {
       const std::uint16_t lit = run.light.lit == nullptr ? LitVoxel::kAllLit : run.light.lit[of_run];
-      if (lit == 0 || optics[0] <= 0) continue;
-      const float white = out_.emissions == 1 ? optics[kBlock] : whites[of_run];
-      out_.lit.add(lane, {white, run.light.normals[of_run * run.light.stride], lit}, run.color);
+      const bool is_lit = lit > 0 && white[n] > 0;
+      if (is_lit && !goes_on) runs.push_back({lane, static_cast<std::uint32_t>(size), 0, run.color});
+      if (is_lit) voxels[size++] = {white[n], run.light.normals[of_run * run.light.stride], lit};
+      if (goes_on || is_lit) runs.back().count = static_cast<std::uint32_t>(size) - runs.back().first;
+      goes_on = is_lit;
     }
   }
+  voxels.resize(size);
 }
 
 }  // namespace splatlas
