@@ -150,15 +150,25 @@ std::optional<StructureIndex> ReferenceCut::structure_at(const Index3& voxel,
     if (!member.holds() || draw.mode == DrawMode::kOff || is_hull || without[s]) continue;
     if (!best || hides(s, *best)) best = s;
   }
-  if (!best || is_solid(*best)) return best;
+  if (!best) return best;
+  return share_of_face(voxel, *best) > 0 ? best : std::nullopt;
+}
+
+double ReferenceCut::share_of_face(const Index3& voxel, StructureIndex s) const {
+  if (is_solid(s)) return 1;
+  const auto place = static_cast<std::size_t>(grid_.offset(voxel[0], voxel[1], voxel[2]));
+  const StructureDraw& draw = selection_.structures[s];
   for (const Membership& member : content_.classes.members(content_.class_volume[place])) {
-    const StructureIndex s = member.structure;
-    if (!member.holds() || !hides(s, *best)) continue;
-    if (selection_.structures[s].mode == DrawMode::kBoth) return best;  // drawn as the volume of this one
+    const StructureDraw& other = selection_.structures[member.structure];
+    if (member.holds() && hides(member.structure, s) && other.mode == DrawMode::kBoth)
+      return 1;  // its volume
   }
   const double grey = content_.values.empty() ? HUGE_VAL : value_of(content_.values, place);
-  const TransferCurve curve = transfer_curve(selection_.structures[*best], content_.display);
-  return transfer(curve, grey, voxel_side_mm(grid_)).extinction_per_mm > 0 ? best : std::nullopt;
+  const double opacity = static_cast<double>(full_opacity(draw));
+  if (opacity == 0) return 0;
+  const double most = -std::log1p(-opacity) / voxel_side_mm(grid_);
+  const TransferCurve curve = transfer_curve(draw, content_.display);
+  return std::min(1.0, 8 * transfer(curve, grey, voxel_side_mm(grid_)).extinction_per_mm / most);
 }
 
 bool ReferenceCut::is_solid(StructureIndex s) const {
@@ -195,17 +205,28 @@ ReferenceFace ReferenceCut::face(const Vec3& index, std::size_t number) const {
   }
   std::optional<StructureIndex> s = structure_at(nearest, outlined);
   std::map<std::optional<StructureIndex>, double> shares;
-  for_each_corner(
-      index, [&](const Index3& corner, double weight) { shares[structure_at(corner, outlined)] += weight; });
-  for (const auto& [structure, share] : shares) {
-    if (share > shares[s] + kTie) s = structure;
+  double any = 0;
+  for_each_corner(index, [&](const Index3& corner, double weight) {
+    const auto structure = structure_at(corner, outlined);
+    if (!structure) return;
+    shares[structure] += weight * share_of_face(corner, *structure);
+    any += weight * share_of_face(corner, *structure);
+  });
+  if (any < 0.5 - kTie) s.reset();
+  if (any > 0.5 + kTie || s) {
+    for (const auto& [structure, share] : shares) {
+      if (share > shares[s] + kTie) s = structure;
+    }
   }
   const auto solid = solid_at(inside, plane, outlined);
   const bool is_enclosed = solid && (!s || hides(*solid, *s));
   if (is_enclosed) s = solid;
   if (!s) {
     bool all = true;
-    for_each_corner(index, [&](const Index3& corner, double) { all = all && structure_at(corner, none); });
+    for_each_corner(index, [&](const Index3& corner, double) {
+      const auto own = structure_at(corner, outlined), shown = own ? own : structure_at(corner, none);
+      all = all && shown && share_of_face(corner, *shown) >= 1;
+    });
     if (all) s = structure_at(nearest, none);
   }
   if (!s) return {};

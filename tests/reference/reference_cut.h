@@ -56,6 +56,8 @@ class ReferenceCut {
   /// The structure of a voxel's face, except for some; none for voxels without one.
   [[nodiscard]] std::optional<StructureIndex> structure_at(const Index3& voxel,
                                                            const std::vector<bool>& without) const;
+  /// Share of a voxel of a structure that has a face.
+  [[nodiscard]] double share_of_face(const Index3& voxel, StructureIndex s) const;
   /// By structure: those whose surfaces cross the plane in closed lines.
   [[nodiscard]] std::vector<bool> outlined(const IndexPlane& plane) const;
   /// The last of the outlined structures that encloses a point of the plane, by the winding number of a ray

@@ -32,7 +32,7 @@ struct FaceStyle {
 struct FaceClass : FaceStyle {
   static constexpr std::uint32_t kEveryVoxel = std::numeric_limits<std::uint32_t>::max();
 
-  /// Index into the plan's classes. Voxels to which its transfer function gives no extinction have no face.
+  /// Index into the plan's classes. Its transfer function tells how much of a voxel has a face.
   /// kEveryVoxel for solids, and for a volume whose voxels are drawn as those of another structure.
   std::uint32_t draw = kEveryVoxel;
 };

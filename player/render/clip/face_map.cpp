@@ -10,10 +10,10 @@
 namespace splatlas {
 namespace {
 
-/// Decides between two voxels at the same distance, and between equal shares.
-constexpr double kTie = 1e-6;
 /// Slack of the layers of a column for rounding.
 constexpr double kRounding = 1e-6;
+/// Share of the maximum extinction from which on a voxel has a whole face.
+constexpr float kWholeFace = 0.125f;
 /// Grey values further outside the display window, in its widths, count as this far.
 constexpr double kMaxWindows = 100;
 
@@ -115,10 +115,9 @@ class FaceMap::Builder {
     if (a < first || a > last) return;
     const Grid& grid = scene_.atlas.grid();
     const auto offset = static_cast<std::size_t>(grid.offset(voxel[0], voxel[1], voxel[2]));
-    const bool has_face = shows((*map_.classes_)[id], offset);
-    const FaceClass& apart = (*map_.apart_)[id];
-    const bool has_own_face = apart.has_face() && shows(apart, offset);
-    if (!has_face && !has_own_face) return;
+    const float own_share = share((*map_.apart_)[id], offset);
+    const float of_face = own_share > 0 ? own_share : share((*map_.classes_)[id], offset);
+    if (of_face == 0) return;
     const std::byte* values = scene_.cache.values();
     float grey = 1;
     if (values != nullptr) {
@@ -126,15 +125,19 @@ class FaceMap::Builder {
         return window_.position(reinterpret_cast<const decltype(tag)*>(values)[offset]);
       });
     }
-    texels_[map_.place(a, voxel[map_.b_], voxel[map_.c_])] = {grey, has_own_face ? id | kOwnFace : id};
+    texels_[map_.place(a, voxel[map_.b_], voxel[map_.c_])] = {grey, own_share > 0 ? id | kOwnFace : id,
+                                                              of_face};
   }
 
-  /// False for voxels to which a transfer function gives no extinction.
-  [[nodiscard]] bool shows(const FaceClass& face, std::size_t offset) const {
-    if (face.draw == FaceClass::kEveryVoxel) return true;
+  /// Share of a voxel that has a face: 0 where a transfer function gives it no extinction.
+  [[nodiscard]] float share(const FaceClass& face, std::size_t offset) const {
+    if (!face.has_face()) return 0;
+    if (face.draw == FaceClass::kEveryVoxel) return 1;
+    const VolumeAppearance& appearance = scene_.appearances[face.draw];
     ClassifiedVoxel classified;
-    scene_.appearances[face.draw].look_up(scene_.cache.values(), offset, 1, 1, &classified);
-    return classified.extinction_per_mm > 0;
+    appearance.look_up(scene_.cache.values(), offset, 1, 1, &classified);
+    const float extinction = classified.extinction_per_mm;
+    return extinction > 0 ? std::min(extinction / (kWholeFace * appearance.extinction_per_mm), 1.0f) : 0;
   }
 
   const FaceMap& map_;
@@ -169,8 +172,7 @@ const FaceStyle* FaceMap::largest_face(const Corners& corners, const Texel& near
   std::size_t count = 0;
   const auto share_of = [&](const FaceStyle* face) -> Share& {
     const auto is_same = [face](const Share& share) {
-      return (share.face == nullptr) == (face == nullptr) &&
-             (face == nullptr || share.face->structure == face->structure);
+      return share.face != nullptr && share.face->structure == face->structure;
     };
     Share* const end = shares.data() + count;
     Share* const found = std::find_if(shares.data(), end, is_same);
@@ -178,7 +180,10 @@ const FaceStyle* FaceMap::largest_face(const Corners& corners, const Texel& near
     return *found;
   };
   Share* largest = &share_of(own_face(nearest));
-  for (std::size_t n = 0; n < 8; ++n) share_of(own_face(corners.texels[n])).weight += corners.weights[n];
+  for (std::size_t n = 0; n < 8; ++n) {
+    const Texel& texel = corners.texels[n];
+    if (const FaceStyle* face = own_face(texel)) share_of(face).weight += corners.weights[n] * texel.share;
+  }
   for (std::size_t n = 1; n < count; ++n) {
     if (shares[n].weight > largest->weight + kTie) largest = &shares[n];
   }

@@ -41,9 +41,9 @@ struct FaceSample {
 /// of solids. A point has the face that hides all others of these:
 ///   - solids whose surfaces enclose it
 ///   - the structure with the largest share of the point between its eight voxels, except for solids with
-///     closed outlines
-/// If there is none, but all eight voxels around it have faces, it has the face of the nearest one: smoothed
-/// surfaces leave tiny gaps between three solids. Immutable and thread-safe.
+///     closed outlines, where at least half of the point has a face at all
+/// If there is none, but all eight voxels around it have whole faces, it has the face of the nearest one:
+/// smoothed surfaces leave tiny gaps between three solids. Immutable and thread-safe.
 class FaceMap {
  public:
   /// kLimit if the system refuses address space. Cost: linear in the decoded runs, in the triangles of solids
@@ -93,6 +93,7 @@ class FaceMap {
   struct Texel {
     float grey = 0;
     std::uint32_t id = kEmptyClass;  // with kOwnFace
+    float share = 0;                 // of the voxel that has the face
 
     [[nodiscard]] bool has_face() const { return id != kEmptyClass; }
     [[nodiscard]] ClassId class_id() const { return id & ~kOwnFace; }
@@ -120,6 +121,8 @@ class FaceMap {
   }
   /// The face with the largest share of the voxels around a point. Of equal shares, that of the nearest one.
   [[nodiscard]] const FaceStyle* largest_face(const Corners& corners, const Texel& nearest) const;
+  /// Decides between two voxels at the same distance, and between equal shares.
+  static constexpr double kTie = 1e-6;
   [[nodiscard]] double height(double b, double c) const { return at_origin_ + per_b_ * b + per_c_ * c; }
   [[nodiscard]] std::size_t place(std::int64_t a, std::int64_t b, std::int64_t c) const {
     return static_cast<std::size_t>((((c - first_c_) * columns_ + (b - first_b_)) << layer_bits_) +
@@ -161,8 +164,8 @@ inline FaceSample FaceMap::at_inside(double b, double c) const {
   const auto a1 = static_cast<float>(in_a), b1 = static_cast<float>(in_b), c1 = static_cast<float>(in_c);
   const float of_column[4] = {(1 - b1) * (1 - c1), b1 * (1 - c1), (1 - b1) * c1, b1 * c1};
   Corners corners;
-  float sum = 0, weights = 0;
-  int faces = 0;
+  float sum = 0, weights = 0, own = 0;
+  int whole = 0;
   bool is_mixed = false;
   for (std::size_t n = 0; n < 8; ++n) {
     const Texel texel = corners.texels[n] = columns[n / 2][n % 2 == 0 ? low : high];
@@ -171,19 +174,22 @@ inline FaceSample FaceMap::at_inside(double b, double c) const {
     if (!texel.has_face()) continue;
     weights += weight;
     sum += weight * texel.grey;
-    ++faces;
+    if ((texel.id & kOwnFace) != 0) own += weight * texel.share;
+    whole += texel.share >= 1 ? 1 : 0;
   }
   if (!(weights > 0)) return {};
 
   // Find the face that hides all others
   const std::int64_t nearest_a = in_a + to_kept_ >= 0.5 ? high : low;
   const Texel nearest = columns[(in_b >= 0.5 ? 1 : 0) + (in_c >= 0.5 ? 2 : 0)][nearest_a];
-  const FaceStyle* style = is_mixed ? largest_face(corners, nearest) : own_face(nearest);
+  const FaceStyle* style = own_face(nearest);
+  if (own < 0.5 - kTie) style = nullptr;
+  if (is_mixed && (own > 0.5 + kTie || style != nullptr)) style = largest_face(corners, nearest);
   if (!solids_.empty()) {
     if (const std::uint32_t solid = outlines_.at(b, c); solid != SolidOutlines::kNone) {
       if (style == nullptr || solids_[solid].hides(*style)) style = &solids_[solid];
     }
-    if (style == nullptr && faces == 8) style = &(*classes_)[nearest.class_id()];
+    if (style == nullptr && whole == 8) style = &(*classes_)[nearest.class_id()];
   }
   if (style == nullptr) return {};
   return {style, sum / weights};
