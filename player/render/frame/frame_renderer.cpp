@@ -19,7 +19,7 @@ constexpr double kRasterized = 0.4, kVolumeDrawn = 0.9, kResolved = 0.95;
 constexpr std::size_t kRasterLoops = 8, kResolveLoops = 2, kCueLoops = 4;
 
 /// Bytes of the rasteriser and the volume pass per fragment, for samples with a single fragment.
-constexpr std::size_t kBytesPerFragment = 200;
+constexpr std::size_t kBytesPerFragment = 120;
 /// Bytes per pixel of edge detection.
 constexpr std::uint64_t kBytesToFindEdges = 48;
 /// Maximum of 32-bit fragment indices.
@@ -80,12 +80,12 @@ bool cues_depth(const RenderOptions& options) {
   return options.depth_cue == DepthCue::kEdges && options.depth_cue_strength > 0;
 }
 
-/// Samples per edge pixel and maximum number of fragments, which may take a quarter of the memory.
+/// Samples per edge pixel and maximum number of fragments, which may take half of the memory.
 RasterOptions raster_options(const RenderOptions& options, std::uint64_t max_memory_bytes) {
-  const std::uint64_t max_bytes = max_memory_bytes / 4;
-  RasterOptions raster{std::min<std::size_t>(max_bytes / kBytesPerFragment, kMaxFragments),
+  RasterOptions raster{std::min<std::size_t>(max_memory_bytes / 2 / kBytesPerFragment, kMaxFragments),
                        termination_threshold(options)};
-  const bool supersamples = options.antialiasing && pixels_of(options.size) <= max_bytes / kBytesToFindEdges;
+  const bool supersamples =
+      options.antialiasing && pixels_of(options.size) <= max_memory_bytes / 4 / kBytesToFindEdges;
   if (supersamples && options.quality == Quality::kNormal) raster.edge_samples = kFourSamples.size();
   if (supersamples && options.quality == Quality::kHigh) raster.edge_samples = kEightSamples.size();
   return raster;

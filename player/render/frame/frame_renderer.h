@@ -50,7 +50,7 @@ struct FrameScene {
   const Lighting& lighting;
   const RenderOptions& options;
   const RenderOverrides& overrides;
-  std::uint64_t max_memory_bytes = 0;               ///< limit; fragments may take a quarter of it
+  std::uint64_t max_memory_bytes = 0;               ///< limit; fragments may take half of it
   std::shared_ptr<const CutFaces> faces = nullptr;  ///< of the cuts of the options; null: none
   /// For an id image: numbers of the structures of the plan's classes; empty: none.
   std::span<const StructureNumber> numbers = {};

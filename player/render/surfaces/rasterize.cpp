@@ -75,8 +75,8 @@ Result<void> Rasterizer::draw_tiles(const RasterScene& scene, const RasterOption
   if (draw_centers(scene, options, painted, count, pool) && draw_edges(scene, options, painted, count, pool))
     return {};
   return fail(ErrorCode::kLimit,
-              "the surfaces leave more than {} fragments in this picture; make it smaller or select fewer "
-              "translucent surfaces",
+              "the surfaces leave more than {} fragments in this picture, too many for the memory allowed; "
+              "make it smaller, select fewer translucent surfaces, or raise --memory",
               options.max_fragments);
 }
 
@@ -170,7 +170,7 @@ void Rasterizer::for_each_sample(std::size_t tile_row, const RasterScene& scene,
 }
 
 /// Concatenates the samples and fragments of all tiles.
-void Rasterizer::merge_tiles(const RasterScene& scene, FragmentList& out, ThreadPool& pool) const {
+void Rasterizer::merge_tiles(const RasterScene& scene, FragmentList& out, ThreadPool& pool) {
   // Count samples and fragments of each row of tiles, and compute prefix sums
   struct Begin {
     std::size_t sample = 0, fragment = 0;
@@ -207,6 +207,11 @@ void Rasterizer::merge_tiles(const RasterScene& scene, FragmentList& out, Thread
     });
     for (; row <= static_cast<std::size_t>(rows.y_last); ++row)
       out.first_of_row[row] = static_cast<std::uint32_t>(sample);
+    if (out.fragments.size() <= kMaxKeptFragments) return;
+    for (std::size_t tile = n * bins_.columns(); tile < (n + 1) * bins_.columns(); ++tile) {
+      centers_[tile] = {};
+      if (!edges_.empty()) edges_[tile] = {};
+    }
   });
   out.first_of_row.back() = static_cast<std::uint32_t>(begin.back().sample);
 }

@@ -138,7 +138,7 @@ class RayVolume::Builder {
     if (const std::uint64_t bytes = bytes_needed(voxels); bytes > request_.max_memory_bytes) {
       return fail(ErrorCode::kLimit,
                   "the selection's grey values take up to {} MiB for rays; {} MiB are "
-                  "allowed. Select less",
+                  "allowed. Select less, or raise --memory",
                   bytes >> 20, request_.max_memory_bytes >> 20);
     }
     return {};
