@@ -38,13 +38,6 @@ std::string printed_name(const Structure& structure) {
 }
 
 /// A colour between two, in codes of sRGB.
-Rgb mix(Rgb a, Rgb b, double share) {
-  const auto channel = [share](std::uint8_t from, std::uint8_t to) {
-    return static_cast<std::uint8_t>(std::lround(from + share * (to - from)));
-  };
-  return {channel(a.r, b.r), channel(a.g, b.g), channel(a.b, b.b)};
-}
-
 /// Composites a picture over a vertical gradient.
 void paint_behind(Picture& picture, Rgb top, Rgb bottom) {
   const auto [width, height] = picture.size;
@@ -94,13 +87,6 @@ struct PageRenderer::Impl {
     if (options.items.any()) drawer.emplace(options.font);
     options.render.ids = options.render.ids || options.outlines;
     options.render.depths = options.render.depths || options.outlines;
-  }
-
-  /// The background behind most of the page.
-  [[nodiscard]] std::optional<Rgb> mean_background() const {
-    if (keeps_alpha) return std::nullopt;
-    const auto& [top, bottom] = std::pair(options.background, options.background_bottom);
-    return top && bottom ? std::optional(mix(*top, *bottom, 0.5)) : top;
   }
 
   [[nodiscard]] bool names_structures() const { return options.items.labels || options.items.legend; }
@@ -171,7 +157,9 @@ struct PageRenderer::Impl {
                                                  const Renderer& renderer) {
     const Atlas& atlas = renderer.atlas();
     SPLATLAS_ASSIGN_OR_RETURN(const View view, view_of(camera, options.render.size, atlas.display()));
-    AnnotatedScene scene{frame.picture, view, mean_background()};
+    AnnotatedScene scene{frame.picture, view};
+    if (!keeps_alpha)
+      scene.background = options.background, scene.background_bottom = options.background_bottom;
     if (names_structures()) scene.structures = structures_of(frame, renderer);
     SPLATLAS_RETURN_IF_ERROR(drawer->wait());
     const AnnotationOptions content = annotation_options(atlas.provenance());
@@ -219,8 +207,10 @@ Result<PageRenderer> PageRenderer::create(const std::filesystem::path& path, Pag
   SPLATLAS_RETURN_IF_ERROR(PictureEncoder::check_ending(path));
   SPLATLAS_RETURN_IF_ERROR(PictureEncoder::check_size(path, options.render.size, options.background));
   std::error_code ignored;
-  if (!options.font.empty() && !std::filesystem::is_regular_file(options.font, ignored))
-    return fail(ErrorCode::kFailed, "{}: is no font file; give a .ttf or .otf file", options.font.string());
+  if (!options.font.empty() && !std::filesystem::is_regular_file(options.font, ignored)) {
+    return fail(ErrorCode::kFailed, "{}: {}; give a .ttf or .otf file", options.font.string(),
+                std::filesystem::exists(options.font, ignored) ? "is no font file" : "No such file");
+  }
   return PageRenderer(std::make_unique<Impl>(path, std::move(options)));
 }
 

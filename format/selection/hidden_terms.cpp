@@ -50,7 +50,7 @@ struct Owners {
     // Begin and end of a ghost reset the appearance, depending on the term before
     const bool resets = before.ghost != after.ghost;
     if (resets) lasts(of[kGhost]);
-    take(kGhost, true);
+    take(kGhost, before.ghost || after.ghost);
     take(kOpacity, resets || term.opacity);
     take(kColor, resets || term.ghost || term.color);
     // A new end of a ramp resets the other end, depending on both terms

@@ -106,7 +106,8 @@ void PageLayout::place_structure_labels() {
     }
     layer.lines.push_back(line(one.port, label.anchor, kLeaderPoints));
     layer.lines.back().casing = kLeaderCasingPoints * pt;
-    layer.dots.push_back({label.anchor, kDotPoints * pt, kDotCasingPoints * pt, ink, paper});
+    const Inks inks = inks_at(label.anchor.y);
+    layer.dots.push_back({label.anchor, kDotPoints * pt, kDotCasingPoints * pt, inks.ink, inks.paper});
   }
   layer.labels = placed.size();
   layer.unlabelled = scene.structures.size() - placed.size();

@@ -17,13 +17,25 @@ constexpr double kMaxScaleBar = 0.2;  // of the width
 constexpr double kMaxLegend = 0.3;    // of the height
 constexpr Rgb kBlack{26, 26, 26}, kWhite{242, 242, 242}, kDarkGrey{95, 95, 95}, kLightGrey{165, 165, 165};
 
-bool is_dark(Rgb color) {
+float luminance(Rgb color) {
   return 0.2126f * srgb_to_linear(color.r) + 0.7152f * srgb_to_linear(color.g) +
-             0.0722f * srgb_to_linear(color.b) <
-         0.18f;
+         0.0722f * srgb_to_linear(color.b);
+}
+
+/// Contrast of two colours, from 1 to 21 (Web Content Accessibility Guidelines 2.1).
+float contrast(Rgb a, Rgb b) {
+  const auto [least, most] = std::minmax({luminance(a), luminance(b)});
+  return (most + 0.05f) / (least + 0.05f);
 }
 
 }  // namespace
+
+Rgb mix(Rgb a, Rgb b, double share) {
+  const auto channel = [share](std::uint8_t from, std::uint8_t to) {
+    return static_cast<std::uint8_t>(std::lround(from + share * (to - from)));
+  };
+  return {channel(a.r, b.r), channel(a.g, b.g), channel(a.b, b.b)};
+}
 
 double scale_bar_mm(double max_mm) {
   if (!(max_mm > 0) || !std::isfinite(max_mm)) return 0;
@@ -51,13 +63,20 @@ PageLayout::PageLayout(const AnnotatedScene& scene_, const AnnotationOptions& op
       options(options_),
       measure(measure_),
       free_space(free_space_),
-      pt(annotation_dpi(options_, scene_.picture.size) / 72),
-      paper(scene_.background.value_or(Rgb{255, 255, 255})) {
+      pt(annotation_dpi(options_, scene_.picture.size) / 72) {
   const double width = scene.picture.size.width, height = scene.picture.size.height;
   const double margin = kMargin * std::min(width, height);
   page = figure = {margin, margin, width - margin, height - margin};
-  const bool dark = is_dark(paper);
-  ink = dark ? kWhite : kBlack, faint = dark ? kLightGrey : kDarkGrey;
+}
+
+PageLayout::Inks PageLayout::inks_at(double y) const {
+  constexpr float kLegible = 3;  // contrast
+  const Rgb top = scene.background.value_or(Rgb{255, 255, 255});
+  const Rgb paper =
+      mix(top, scene.background_bottom.value_or(top), std::clamp(y / scene.picture.size.height, 0.0, 1.0));
+  const bool dark = luminance(paper) < 0.18f;
+  const Rgb ink = dark ? kWhite : kBlack, faint = dark ? kLightGrey : kDarkGrey;
+  return {paper, ink, contrast(faint, paper) < kLegible ? ink : faint};
 }
 
 double PageLayout::width_of(std::string_view words, double points, FontStyle style) const {
@@ -66,27 +85,29 @@ double PageLayout::width_of(std::string_view words, double points, FontStyle sty
 
 PlacedText PageLayout::text(std::string_view words, double x, double baseline, double points,
                             FontStyle style) const {
-  return {std::string(words), x, baseline, width_of(words, points, style), points * pt, style, ink};
+  return {std::string(words),   x, baseline, width_of(words, points, style), points * pt, style,
+          inks_at(baseline).ink};
 }
 
 PlacedLine PageLayout::line(PagePoint from, PagePoint to, double points) const {
-  return {from, to, points * pt, 0, ink, paper};
+  const Inks inks = inks_at(from.y);
+  return {from, to, points * pt, 0, inks.ink, inks.paper};
 }
 
 void PageLayout::cover(const PageBox& box, std::string_view item) {
   if (free_space.is_free(box)) return;
-  layer.boxes.push_back({box, paper, kPlateOpacity});
+  layer.boxes.push_back({box, inks_at(box.bottom).paper, kPlateOpacity});
   layer.notes.push_back(
       fmt::format("the {} covers structures; take a smaller --zoom, a larger --size or fewer items", item));
 }
 
-void PageLayout::place_paragraph(std::string_view words, double points, FontStyle style, Rgb color) {
+void PageLayout::place_paragraph(std::string_view words, double points, FontStyle style, Rgb Inks::*ink) {
   const std::vector<std::string> lines =
       wrap_text(words, page.width(), [&](std::string_view part) { return width_of(part, points, style); });
   const double leading = kLineSpacing * points * pt;
   for (std::size_t n = lines.size(); n-- > 0; figure.bottom -= leading) {
     layer.texts.push_back(text(lines[n], page.left, figure.bottom - kDescent * points * pt, points, style));
-    layer.texts.back().color = color;
+    layer.texts.back().color = inks_at(figure.bottom).*ink;
   }
 }
 
@@ -126,7 +147,7 @@ void PageLayout::place_legend() {
     const NamedStructure& one = *listed[n];
     const double room = std::min(x + cell - 2 * em, page.right) - x - swatch - gap;
     const PageBox box{x, y + 0.5 * row - 0.4 * em, x + swatch, y + 0.5 * row + 0.4 * em};
-    layer.boxes.push_back({box, faint});  // an outline, for the colour of the paper
+    layer.boxes.push_back({box, inks_at(box.bottom).faint});  // an outline, for the colour of the paper
     layer.boxes.push_back({box.grown(-kRulePoints * pt), one.color});
     layer.texts.push_back(
         text(shortened_text(one.name, room, width), x + swatch + gap, baseline, kLegendPoints));
@@ -152,16 +173,16 @@ void PageLayout::place_blocks(std::size_t unlabelled) {
   };
   if (options.items.citation && !options.citation.empty()) {
     block("citation",
-          [&] { place_paragraph(options.citation, kCitationPoints, FontStyle::kRegular, faint); });
+          [&] { place_paragraph(options.citation, kCitationPoints, FontStyle::kRegular, &Inks::faint); });
   }
   if (unlabelled > 0) {
     const std::string words = unlabelled == 1
                                   ? "1 more structure is not labelled."
                                   : fmt::format("{} more structures are not labelled.", unlabelled);
-    block("note", [&] { place_paragraph(words, kNotePoints, FontStyle::kItalic, faint); });
+    block("note", [&] { place_paragraph(words, kNotePoints, FontStyle::kItalic, &Inks::faint); });
   }
   if (options.items.caption && !options.caption.empty()) {
-    block("caption", [&] { place_paragraph(options.caption, kCaptionPoints, FontStyle::kBold, ink); });
+    block("caption", [&] { place_paragraph(options.caption, kCaptionPoints, FontStyle::kBold, &Inks::ink); });
   }
   if (options.items.legend) block("legend", [&] { place_legend(); });
   if (figure.bottom == page.bottom) return;
@@ -170,7 +191,7 @@ void PageLayout::place_blocks(std::size_t unlabelled) {
   const PageBox rule{page.left, figure.bottom - kRulePoints * pt, page.right, figure.bottom};
   if (free_space.is_free(rule)) {
     layer.lines.push_back(line({rule.left, figure.bottom}, {rule.right, figure.bottom}, kRulePoints));
-    layer.lines.back().color = faint;
+    layer.lines.back().color = inks_at(figure.bottom).faint;
   }
   figure.bottom -= gap;
 }
@@ -197,8 +218,10 @@ void PageLayout::place_orientation() {
   for (PlacedText& one : texts) {
     const PageBox box{one.x, one.y - kCapHeight * em, one.x + one.width, one.y};
     const PageBox plate = box.grown(2 * pt);
-    if (!free_space.is_free(box)) layer.boxes.push_back({plate, paper, kPlateOpacity}), covers = true;
+    if (!free_space.is_free(box))
+      layer.boxes.push_back({plate, inks_at(plate.bottom).paper, kPlateOpacity}), covers = true;
     obstacles.push_back(one.box().grown(pt));
+    one.color = inks_at(one.y).ink;
     layer.texts.push_back(std::move(one));
   }
   if (covers) {
@@ -240,6 +263,7 @@ void PageLayout::place_scale_bar() {
   layer.lines.push_back(line({left + half, box.top}, {left + half, box.top + tick}, kScaleBarPoints));
   layer.lines.push_back(line({right - half, box.top}, {right - half, box.top + tick}, kScaleBarPoints));
   words.x = middle - 0.5 * words.width, words.y = box.top + tick + 1.05 * em;
+  words.color = inks_at(words.y).ink;
   layer.texts.push_back(std::move(words));
   obstacles.push_back(box.grown(4 * pt));
 }

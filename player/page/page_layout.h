@@ -30,7 +30,12 @@ struct AnnotatedScene {
   View view;
   std::optional<Rgb> background = std::nullopt;  ///< none: transparent, annotated as a white one
   std::vector<NamedStructure> structures = {};  ///< of labels and legend; entries of the legend in this order
+  /// At the bottom of a vertical gradient from `background`; none: the same.
+  std::optional<Rgb> background_bottom = std::nullopt;
 };
+
+/// The colour on the way from `a` to `b`.
+[[nodiscard]] Rgb mix(Rgb a, Rgb b, double share);
 
 /// Content of the annotations.
 struct AnnotationOptions {
@@ -69,10 +74,14 @@ struct PageLayout {
   double pt;       ///< pixels per point
   PageBox page;    ///< the picture inside its margins
   PageBox figure;  ///< the part of the page above the blocks of text
-  Rgb ink, faint, paper;
   AnnotationLayer layer;
   std::vector<PageBox> obstacles;
 
+  /// The background at a height of the page, and the colours of text on it.
+  struct Inks {
+    Rgb paper, ink, faint;
+  };
+  [[nodiscard]] Inks inks_at(double y) const;
   /// Text that starts at (x, baseline).
   [[nodiscard]] PlacedText text(std::string_view words, double x, double baseline, double points,
                                 FontStyle style = FontStyle::kRegular) const;
@@ -96,7 +105,7 @@ struct PageLayout {
   [[nodiscard]] std::vector<const NamedStructure*> labelled_structures() const;
   /// A label with lines of at most `max_width` pixels, unless a word is longer.
   [[nodiscard]] Label label_of(const NamedStructure& structure, double max_width) const;
-  void place_paragraph(std::string_view words, double points, FontStyle style, Rgb color);
+  void place_paragraph(std::string_view words, double points, FontStyle style, Rgb Inks::*ink);
   void place_legend();
 };
 

@@ -43,7 +43,7 @@ struct HostileText : testing::Test {
 TEST_F(HostileText, OfAnAtlasKeepsTheLayoutOfInfo) {
   write_hostile_atlas(folder.file("a.atlas"));
   const ProgramResult info = run_player({"info", "a.atlas"}, folder.path());
-  expect_safe(info, 9 + static_cast<std::ptrdiff_t>(kHostileTexts.size()));
+  expect_safe(info, 10 + static_cast<std::ptrdiff_t>(kHostileTexts.size()));
   EXPECT_THAT(info.out, HasSubstr("\ntitle     Left?note: forgedLeft?thgiR\n"));
   EXPECT_THAT(info.out, HasSubstr("\nscenes    \"Left?note: forged\", "));
   EXPECT_THAT(info.out, HasSubstr("\nLeft?note: forged  "));

@@ -261,6 +261,8 @@ TEST(PlayerInfo, TheTextListsEveryStructure) {
   EXPECT_EQ(info.status, 0);
   EXPECT_THAT(info.out, HasSubstr("Sphere 1"));
   EXPECT_THAT(info.out, HasSubstr("32 x 32 x 32"));
+  EXPECT_THAT(info.out,
+              HasSubstr("extent    left -0.5 to 31.5, posterior -0.5 to 31.5, superior -0.5 to 31.5 mm\n"));
 }
 
 }  // namespace

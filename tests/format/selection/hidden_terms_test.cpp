@@ -65,6 +65,8 @@ TEST(HiddenTerms, AGroupHidesItsMembers) {
   EXPECT_THAT(brain.hidden("Hippocampus:surface + Cerebrum:both"), ElementsAre(std::pair(0, 1)));
   EXPECT_THAT(brain.hidden("Hippocampus(opacity=0.5) + Cerebrum(opacity=0.1)"), ElementsAre(std::pair(0, 1)));
   EXPECT_THAT(brain.hidden("Hippocampus + Hippocampus"), ElementsAre(std::pair(0, 1)));
+  EXPECT_THAT(brain.hidden("Hippocampus:surface(color=#ff0000) + Cerebrum(ghost)"),
+              ElementsAre(std::pair(0, 1)));
   EXPECT_THAT(brain.hidden("#3 + Lesion:both"), ElementsAre(std::pair(0, 1)));
 }
 

@@ -210,6 +210,22 @@ TEST(AnnotatePicture, DrawsAScaleBarOfExactLength) {
   EXPECT_TRUE(find_text(annotated(scene, {.items = {.scale_bar = true}}), "20 mm at the centre"));
 }
 
+TEST(AnnotatePicture, TextIsLegibleOnBothEndsOfAGradient) {
+  DiscScene discs({600, 400});
+  AnnotatedScene scene = discs.annotated();
+  for (const bool upwards : {false, true}) {
+    scene.background = upwards ? Rgb{250, 250, 250} : Rgb{10, 10, 10};
+    scene.background_bottom = upwards ? Rgb{10, 10, 10} : Rgb{250, 250, 250};
+    const AnnotationLayer layer =
+        annotated(scene, {.items = {.orientation = true, .citation = true}, .citation = "X"});
+    for (const PlacedText& text : layer.texts) {
+      const double share = text.y / 400;
+      if (share > 0.3 && share < 0.7) continue;
+      EXPECT_EQ(text.color.r > 128, upwards == (share > 0.5)) << text.text;
+    }
+  }
+}
+
 TEST(AnnotatePicture, NamesTheDirectionsOfTheEdges) {
   DiscScene discs({600, 400});
   const AnnotationLayer layer = annotated(discs.annotated(), {.items = {.orientation = true}});
