@@ -19,6 +19,6 @@ check() {
 }
 
 check product 63000 format preprocess player schemas
-check tests 50250 tests
+check tests 50260 tests
 check bench 8510 bench
 exit "$bad"

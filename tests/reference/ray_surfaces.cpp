@@ -19,6 +19,7 @@ RaySurfaces::RaySurfaces(const AtlasContent& content, const Selection& selection
 void RaySurfaces::add(const SurfaceMesh& mesh, StructureIndex structure) {
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     Triangle triangle;
+    triangle.mesh = &mesh;
     triangle.structure = structure;
     triangle.number = t;
     for (std::size_t n = 0; n < 3; ++n) {
@@ -76,7 +77,7 @@ std::vector<Crossing> RaySurfaces::crossings(const Ray& ray, const RayInterval& 
     crossing.depth = depth_.sign * ray.at(s_mm)[depth_.axis];
     crossing.structure = triangle.structure;
     crossing.triangle = triangle.number;
-    crossing.entering = meets_front(triangle.corner_lps, triangle.normal_lps, along_lps);
+    crossing.entering = meets_front(*triangle.mesh, triangle.corner_lps, triangle.normal_lps, along_lps);
     shade(crossing, plane_, selection_, triangle.normal_lps, weight);
     all.push_back(crossing);
   }

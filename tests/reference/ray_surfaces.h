@@ -17,7 +17,7 @@ namespace splatlas::reference {
 /// The selected surfaces of an atlas.
 class RaySurfaces {
  public:
-  /// Keeps a reference to `selection`. Depths run along depth_axis().
+  /// Keeps references to `content` and `selection`. Depths run along depth_axis().
   RaySurfaces(const AtlasContent& content, const Selection& selection, const View& view);
 
   /// All crossings of a part of a ray in exact geometry (Moeller and Trumbore 1997), front to back up
@@ -30,6 +30,7 @@ class RaySurfaces {
 
  private:
   struct Triangle {
+    const SurfaceMesh* mesh = nullptr;
     std::array<Vec3, 3> corner_ijk, corner_lps, normal_lps;
     StructureIndex structure = kNoStructure;
     std::uint32_t number = 0;

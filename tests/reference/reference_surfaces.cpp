@@ -130,16 +130,18 @@ void SurfacesInView::cross(const Surface& surface, std::uint32_t triangle, doubl
     corners[n] = to_lps_.apply({position[0], position[1], position[2]});
     for (std::size_t a = 0; a < 3; ++a) normals[n][a] = surface.mesh->normals_lps[corner[n]][a];
   }
-  crossing.entering = meets_front(corners, normals, view_.forward_lps);
+  crossing.entering = meets_front(*surface.mesh, corners, normals, view_.forward_lps);
   shade(crossing, view_, selection_, normals, *weights);
   out.push_back(crossing);
 }
 
-bool meets_front(const std::array<Vec3, 3>& corners_lps, const std::array<Vec3, 3>& normals_lps,
-                 const Vec3& along_lps) {
+bool meets_front(const SurfaceMesh& mesh, const std::array<Vec3, 3>& corners_lps,
+                 const std::array<Vec3, 3>& normals_lps, const Vec3& along_lps) {
   const Vec3 front = cross(minus(corners_lps[1], corners_lps[0]), minus(corners_lps[2], corners_lps[0]));
-  double outwards = 0;
-  for (const Vec3& normal : normals_lps) outwards += dot(front, normal);
+  const bool is_derived =
+      mesh.position_scale == 4 || mesh.position_scale == 128 || mesh.position_scale == 256;
+  double outwards = is_derived ? 1 : 0;
+  for (const Vec3& normal : normals_lps) outwards += is_derived ? 0 : dot(front, normal);
   return outwards > 0 ? dot(front, along_lps) <= 0 : !(outwards < 0) || dot(front, along_lps) > 0;
 }
 

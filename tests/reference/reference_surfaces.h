@@ -25,9 +25,10 @@ struct Crossing {
 };
 
 /// True if a ray meets the front of a triangle: the geometric normal, on the side of the vertex normals,
-/// points against it. Also true if the vertex normals are ambiguous.
-[[nodiscard]] bool meets_front(const std::array<Vec3, 3>& corners_lps, const std::array<Vec3, 3>& normals_lps,
-                               const Vec3& along_lps);
+/// points against it. Also true if the vertex normals are ambiguous. Of surfaces derived from voxels, corners
+/// are counter-clockwise on the front.
+[[nodiscard]] bool meets_front(const SurfaceMesh& mesh, const std::array<Vec3, 3>& corners_lps,
+                               const std::array<Vec3, 3>& normals_lps, const Vec3& along_lps);
 /// Sets the colour of a crossing, given its structure, its side, the normals of the triangle's corners and
 /// their weights.
 void shade(Crossing& crossing, const ParallelView& view, const Selection& selection,

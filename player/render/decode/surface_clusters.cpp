@@ -112,6 +112,12 @@ bool is_fitted(const SurfaceMesh& mesh) {
          mesh.position_scale == static_cast<std::uint32_t>(SurfaceRule::kSmooth);
 }
 
+/// True if corners are counter-clockwise from outside. Normals are means over several triangles, and may
+/// point to the other side of a small one.
+bool is_wound_outwards(const SurfaceMesh& mesh) {
+  return is_fitted(mesh) || mesh.position_scale == kThickSliceScale;
+}
+
 /// Numbers of the triangles along the curve, by a radix sort. Neighbours in a cell keep their order.
 std::vector<std::uint32_t> sorted_triangles(const SurfaceMesh& mesh) {
   struct Placed {
@@ -174,7 +180,7 @@ SurfaceClusters::SurfaceClusters(const SurfaceMesh& mesh, const Grid& grid)
     const auto cluster = static_cast<std::uint32_t>(n / kMaxTriangles);
     const std::array<std::uint32_t, 3>& corners = mesh.triangles[numbers_[n]];
     Triangle& triangle = triangles_[n];
-    triangle.front = normals.front_of(mesh, corners);
+    triangle.front = is_wound_outwards(mesh) ? Front::kCounterClockwise : normals.front_of(mesh, corners);
     for (std::size_t c = 0; c < 3; ++c) {
       std::uint32_t& place = place_of[corners[c]];
       if (place == kNowhere || place >> kPlaceBits != cluster) {

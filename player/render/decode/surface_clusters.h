@@ -20,8 +20,9 @@ class SurfaceClusters {
  public:
   static constexpr std::size_t kMaxTriangles = 64;
 
-  /// Side of a triangle that its vertex normals call the front, relative to its winding in LPS. Their sum
-  /// decides; an interpolated normal would fail at silhouettes, where it turns away from a visible front.
+  /// Front of a triangle, relative to its winding in LPS: of surfaces that may be wound either way, where the
+  /// sum of its vertex normals points. An interpolated normal would fail at silhouettes, where it turns away
+  /// from a visible front.
   enum class Front : std::uint8_t {
     kCounterClockwise,  ///< seen with counter-clockwise corners, as files have it
     kClockwise,

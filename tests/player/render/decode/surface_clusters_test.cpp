@@ -68,6 +68,11 @@ TEST(SurfaceClusters, KnowTheFrontByNormalsAndWinding) {
     for (std::uint32_t n = 0; n < 2; ++n)
       EXPECT_EQ(clusters[0].triangles[n].front, fronts[clusters.number(n)]) << z << ", " << n;
   }
+  // The winding of derived surfaces is right where the normal of a small triangle is not
+  mesh.position_scale = static_cast<std::uint32_t>(SurfaceRule::kSmooth);
+  const SurfaceClusters derived(mesh, kClusterGrid);
+  for (const SurfaceClusters::Triangle& of : derived[0].triangles)
+    EXPECT_EQ(of.front, Front::kCounterClockwise);
 }
 
 TEST(SurfaceClusters, AreClosedWithoutABorderOnly) {
