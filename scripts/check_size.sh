@@ -18,7 +18,7 @@ check() {
   fi
 }
 
-check product 63000 format preprocess player schemas
-check tests 50260 tests
+check product 63040 format preprocess player schemas
+check tests 50280 tests
 check bench 8510 bench
 exit "$bad"

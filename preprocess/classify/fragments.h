@@ -27,7 +27,8 @@ struct StructureFragments {
 [[nodiscard]] std::vector<StructureFragments> find_fragments(const MembershipVolume& memberships,
                                                              std::span<const std::uint64_t> below);
 
-/// The same, and removes the structure from the voxels of its fragments. Other structures keep them.
+/// The same, and removes the structure from the voxels of its fragments. Other structures keep them. Voxels
+/// that are empty then, and enclosed by structures, get the set that most neighbours of the hole have.
 std::vector<StructureFragments> drop_fragments(MembershipVolume& memberships,
                                                std::span<const std::uint64_t> below);
 

@@ -61,7 +61,8 @@ Isosurfaces may overlap other structures, and take no voxels from them.
 
 Fragments: face-connected components of few voxels beside the largest one of their structure. A note counts those of
 fewer than 100 voxels. --drop-fragments N removes those of fewer than N voxels from all labels, masks and segments,
-NAME=N from one of them. 0 keeps them without a note. Dropped voxels become background, or get into later segments.
+NAME=N from one of them. 0 keeps them without a note. Dropped voxels within other structures go to these; others become
+background, or get into later segments.
 
 Scenes: named views, in the order of the lesson; `splatlas-player` plays them, and renders one by --scene NAME.
   [[scene]]
