@@ -37,7 +37,6 @@ std::string printed_name(const Structure& structure) {
   return printable(name);
 }
 
-/// A colour between two, in codes of sRGB.
 /// Composites a picture over a vertical gradient.
 void paint_behind(Picture& picture, Rgb top, Rgb bottom) {
   const auto [width, height] = picture.size;
@@ -206,10 +205,10 @@ PageRenderer& PageRenderer::operator=(PageRenderer&&) noexcept = default;
 Result<PageRenderer> PageRenderer::create(const std::filesystem::path& path, PageOptions options) {
   SPLATLAS_RETURN_IF_ERROR(PictureEncoder::check_ending(path));
   SPLATLAS_RETURN_IF_ERROR(PictureEncoder::check_size(path, options.render.size, options.background));
-  std::error_code ignored;
-  if (!options.font.empty() && !std::filesystem::is_regular_file(options.font, ignored)) {
+  std::error_code error;
+  if (!options.font.empty() && !std::filesystem::is_regular_file(options.font, error)) {
     return fail(ErrorCode::kFailed, "{}: {}; give a .ttf or .otf file", options.font.string(),
-                std::filesystem::exists(options.font, ignored) ? "is no font file" : "No such file");
+                error ? error.message() : "is no font file");
   }
   return PageRenderer(std::make_unique<Impl>(path, std::move(options)));
 }

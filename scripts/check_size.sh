@@ -19,6 +19,6 @@ check() {
 }
 
 check product 63040 format preprocess player schemas
-check tests 50280 tests
+check tests 50290 tests
 check bench 8510 bench
 exit "$bad"

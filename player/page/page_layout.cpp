@@ -160,7 +160,7 @@ void PageLayout::place_blocks(std::size_t unlabelled) {
   const double gap = 5 * pt;
   const auto block = [&](std::string_view item, const auto& place) {
     const double bottom = figure.bottom;
-    const std::size_t boxes = layer.boxes.size();
+    const std::size_t boxes = layer.boxes.size(), texts = layer.texts.size();
     place();
     if (figure.bottom == bottom) return;
     const PageBox box{page.left, figure.bottom, page.right, bottom};
@@ -168,6 +168,7 @@ void PageLayout::place_blocks(std::size_t unlabelled) {
       cover(box, item);
       std::rotate(layer.boxes.begin() + static_cast<std::ptrdiff_t>(boxes), layer.boxes.end() - 1,
                   layer.boxes.end());
+      for (std::size_t n = texts; n < layer.texts.size(); ++n) layer.texts[n].color = inks_at(box.bottom).ink;
     }
     figure.bottom -= gap;
   };

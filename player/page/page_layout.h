@@ -34,7 +34,7 @@ struct AnnotatedScene {
   std::optional<Rgb> background_bottom = std::nullopt;
 };
 
-/// The colour on the way from `a` to `b`.
+/// The colour on the way from `a` to `b`, in codes of sRGB.
 [[nodiscard]] Rgb mix(Rgb a, Rgb b, double share);
 
 /// Content of the annotations.

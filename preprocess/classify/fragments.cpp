@@ -196,39 +196,39 @@ std::vector<StructureFragments> count_fragments(const ComponentForest& forest,
   return counts;
 }
 
-/// Gives connected voxels of these, in ascending order, to the structures around them, unless they touch
-/// other empty voxels or the end of the grid.
-void fill_holes(std::span<const std::size_t> voxels, MembershipVolume& memberships) {
+/// Gives connected voxels of these to the structures around them, unless they touch other empty voxels or the
+/// end of the grid. Clears `voxels`.
+void fill_holes(std::vector<bool>& voxels, MembershipVolume& memberships) {
+  constexpr MembershipVolume::SetId kEmpty = 0, kHole = 0xffffffff;
   const Index3& size = memberships.size();
   const std::array<std::int64_t, 3> steps{1, size[0], size[0] * size[1]};
-  std::vector<bool> seen(voxels.size());
-  std::vector<std::size_t> hole;  // indices into `voxels`
+  std::vector<std::size_t> hole;
+  const auto take = [&](std::size_t voxel) {
+    voxels[voxel] = false;
+    memberships.set(voxel, kHole);
+    hole.push_back(voxel);
+  };
   for (std::size_t seed = 0; seed < voxels.size(); ++seed) {
-    if (seen[seed]) continue;
-    seen[seed] = true;
-    hole.assign(1, seed);
+    if (!voxels[seed]) continue;
     std::map<MembershipVolume::SetId, std::size_t> around;
+    hole.clear();
+    take(seed);
     for (std::size_t n = 0; n < hole.size(); ++n) {
-      const auto at = static_cast<std::int64_t>(voxels[hole[n]]);
+      const auto at = static_cast<std::int64_t>(hole[n]);
       for (std::size_t a = 0; a < 3; ++a) {
         for (const std::int64_t side : {-1, 1}) {
           const std::int64_t place = at / steps[a] % size[a] + side;
           const auto beside = static_cast<std::size_t>(at + side * steps[a]);
           const bool is_inside = place >= 0 && place < size[a];
-          const auto found = std::ranges::lower_bound(voxels, beside);
-          if (!is_inside || found == voxels.end() || *found != beside) {
-            ++around[is_inside ? memberships.voxels()[beside] : 0];
-            continue;
-          }
-          const auto index = static_cast<std::size_t>(found - voxels.begin());
-          if (!seen[index]) hole.push_back(index);
-          seen[index] = true;
+          if (is_inside && voxels[beside]) take(beside);
+          const MembershipVolume::SetId set = is_inside ? memberships.voxels()[beside] : kEmpty;
+          if (set != kHole) ++around[set];
         }
       }
     }
-    if (around.contains(0)) continue;
     const auto most = std::ranges::max_element(around, {}, [](const auto& of) { return of.second; });
-    for (const std::size_t index : hole) memberships.set(voxels[index], most->first);
+    for (const std::size_t voxel : hole)
+      memberships.set(voxel, around.contains(kEmpty) ? kEmpty : most->first);
   }
 }
 
@@ -248,18 +248,15 @@ std::vector<StructureFragments> drop_fragments(MembershipVolume& memberships,
   if (counts.empty()) return counts;
   // The scan has read a row before its runs are removed.
   std::size_t next = 0;
-  std::vector<std::size_t> emptied;
+  std::vector<bool> emptied(memberships.voxels().size());
   ComponentScan(memberships, below)
       .scan([&](StructureIndex) { return next++; }, [](std::size_t a, std::size_t) { return a; },
             [&](const StructureRun& run, std::size_t first) {
               if (!fragments[forest.root_of(run.component)]) return;
               const auto count = static_cast<std::size_t>(run.last - run.first + 1);
               memberships.remove(run.structure, first, count);
-              for (std::size_t v = first; v < first + count; ++v) {
-                if (memberships.voxels()[v] == 0) emptied.push_back(v);
-              }
+              for (std::size_t v = first; v < first + count; ++v) emptied[v] = memberships.voxels()[v] == 0;
             });
-  std::ranges::sort(emptied);
   fill_holes(emptied, memberships);
   return counts;
 }

@@ -145,7 +145,7 @@ TEST_F(Annotate, ExplainsWrongOptions) {
   }
   const ProgramResult no_font = render({"-o", "x.pdf", "--annotate", "caption", "--font", "none.ttf"});
   EXPECT_EQ(no_font.status, 1);
-  EXPECT_THAT(no_font.err, HasSubstr("none.ttf: No such file; give a .ttf or .otf file"));
+  EXPECT_THAT(no_font.err, HasSubstr("none.ttf: No such file or directory; give a .ttf"));
   const ProgramResult bad_font = render({"-o", "x.png", "--annotate", "caption", "--font", phantom_atlas()});
   EXPECT_EQ(bad_font.status, 1);
   EXPECT_THAT(bad_font.err, HasSubstr("cannot be read as a font with letters"));

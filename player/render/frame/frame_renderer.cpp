@@ -19,7 +19,7 @@ constexpr double kRasterized = 0.4, kVolumeDrawn = 0.9, kResolved = 0.95;
 constexpr std::size_t kRasterLoops = 8, kResolveLoops = 2, kCueLoops = 4;
 
 /// Bytes of the rasteriser and the volume pass per fragment, for samples with a single fragment.
-constexpr std::size_t kBytesPerFragment = 120;
+constexpr std::size_t kBytesPerFragment = 200;
 /// Bytes per pixel of edge detection.
 constexpr std::uint64_t kBytesToFindEdges = 48;
 /// Maximum of 32-bit fragment indices.

@@ -29,8 +29,8 @@ struct VoxelSums {
   }
   /// The colour whose product with the weight is the emission.
   [[nodiscard]] std::array<float, 3> color() const {
-    const float per_weight = weight > 0 ? 1 / weight : 0;
-    return {emission[0] * per_weight, emission[1] * per_weight, emission[2] * per_weight};
+    if (weight <= 0) return {};
+    return {emission[0] / weight, emission[1] / weight, emission[2] / weight};
   }
   /// Share of the emission that is lit, as LitVoxel::lit.
   [[nodiscard]] std::uint16_t lit_share() const {

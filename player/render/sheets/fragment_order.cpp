@@ -92,20 +92,13 @@ void FragmentOrder::build(const FragmentList& list, const Shear& shear, const Sh
   }
   scatter(list, shear, window, size, pool);
   entries_.resize(unsorted_.size());
+  radiance_.resize(unsorted_.size());
   const std::size_t rows = first_of_row_.size() - 1;
   const std::size_t rows_per_chunk = (rows + kChunks - 1) / kChunks;
   pool.for_each((rows + rows_per_chunk - 1) / rows_per_chunk, [&](std::size_t chunk) {
     std::vector<std::uint32_t> next_of_slab;
     const std::size_t first = chunk * rows_per_chunk;
     for (std::size_t n = first; n < std::min(first + rows_per_chunk, rows); ++n) sort_row(n, next_of_slab);
-  });
-  if (entries_.size() > kMaxKeptFragments) unsorted_ = {};
-  radiance_.resize(entries_.size());
-  pool.for_each(kChunks, [&](std::size_t chunk) {
-    const auto part = [&](std::size_t n) {
-      return static_cast<std::ptrdiff_t>(entries_.size() * n / kChunks);
-    };
-    std::fill(radiance_.begin() + part(chunk), radiance_.begin() + part(chunk + 1), SlabRadiance{});
   });
 }
 
@@ -192,6 +185,7 @@ void FragmentOrder::sort_row(std::size_t n, std::vector<std::uint32_t>& next_of_
 
 void FragmentOrder::put(const Unsorted& from, std::size_t to) {
   entries_[to] = from.entry;
+  radiance_[to] = {};
   place_[from.fragment] = static_cast<std::uint32_t>(to);
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -28,9 +27,6 @@ struct Radiance {
 [[nodiscard]] inline Radiance in_color(float white, float opacity, const std::array<float, 3>& color) {
   return {{white * color[0], white * color[1], white * color[2], opacity}};
 }
-
-/// Pictures with more fragments free their working memory early, and the next one allocates it anew.
-inline constexpr std::size_t kMaxKeptFragments = std::size_t{1} << 22;
 
 /// Intersection of a surface with the ray of a sample.
 struct Fragment {

@@ -170,7 +170,7 @@ void Rasterizer::for_each_sample(std::size_t tile_row, const RasterScene& scene,
 }
 
 /// Concatenates the samples and fragments of all tiles.
-void Rasterizer::merge_tiles(const RasterScene& scene, FragmentList& out, ThreadPool& pool) {
+void Rasterizer::merge_tiles(const RasterScene& scene, FragmentList& out, ThreadPool& pool) const {
   // Count samples and fragments of each row of tiles, and compute prefix sums
   struct Begin {
     std::size_t sample = 0, fragment = 0;
@@ -207,11 +207,6 @@ void Rasterizer::merge_tiles(const RasterScene& scene, FragmentList& out, Thread
     });
     for (; row <= static_cast<std::size_t>(rows.y_last); ++row)
       out.first_of_row[row] = static_cast<std::uint32_t>(sample);
-    if (out.fragments.size() <= kMaxKeptFragments) return;
-    for (std::size_t tile = n * bins_.columns(); tile < (n + 1) * bins_.columns(); ++tile) {
-      centers_[tile] = {};
-      if (!edges_.empty()) edges_[tile] = {};
-    }
   });
   out.first_of_row.back() = static_cast<std::uint32_t>(begin.back().sample);
 }

@@ -67,7 +67,7 @@ class Rasterizer {
   /// Calls visit(pixel, place, fragments) for the samples of a row of tiles, in order of pixels.
   template <typename Visit>
   void for_each_sample(std::size_t tile_row, const RasterScene& scene, const Visit& visit) const;
-  void merge_tiles(const RasterScene& scene, FragmentList& out, ThreadPool& pool);
+  void merge_tiles(const RasterScene& scene, FragmentList& out, ThreadPool& pool) const;
   [[nodiscard]] std::unique_ptr<TileRasterizer> take_worker();
   void give_back(std::unique_ptr<TileRasterizer> worker);
 

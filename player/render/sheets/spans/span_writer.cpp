@@ -154,7 +154,8 @@ void SpanWriter::list(const Run& run, std::size_t& s) {
     for (std::uint32_t n = 0, of_run = voxel - run.first; voxel < last; ++n, ++of_run, ++voxel, ++lane) {
       const std::uint16_t lit = run.light.lit == nullptr ? LitVoxel::kAllLit : run.light.lit[of_run];
       const bool is_lit = lit > 0 && white[n] > 0;
-      if (is_lit && !goes_on) runs.push_back({lane, static_cast<std::uint32_t>(size), 0, run.color});
+      if (is_lit && !goes_on && (runs.empty() || runs.back().end() != lane || runs.back().color != run.color))
+        runs.push_back({lane, static_cast<std::uint32_t>(size), 0, run.color});
       if (is_lit) voxels[size++] = {white[n], run.light.normals[of_run * run.light.stride], lit};
       if (goes_on || is_lit) runs.back().count = static_cast<std::uint32_t>(size) - runs.back().first;
       goes_on = is_lit;

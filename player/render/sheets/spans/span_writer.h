@@ -20,7 +20,7 @@ class SpanWriter {
   SpanWriter(int emissions, SliceSpans& out);
 
   /// Adds `count` voxels from `first` on, in ascending order. The caller sets their extinctions and
-  /// emissions before the next add(); the emission of a voxel without extinction must be 0.
+  /// emissions, or whites and then color(), before the next add(). Without extinction they must be 0.
   void add(std::uint32_t first, std::uint32_t count);
   /// Extinctions of the latest voxels, from `first` on.
   [[nodiscard]] float* extinctions(std::uint32_t first) {

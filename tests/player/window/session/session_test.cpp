@@ -167,7 +167,7 @@ TEST_F(SessionTest, ASelectionThatCannotBeRenderedGivesWayToTheLatestThatCould) 
 
   desk->apply_text("Sphere_2 + *:surface(opacity=0.5)");
   desk.until([&] { return desk->status().error; });
-  EXPECT_THAT(desk->status().text, testing::HasSubstr("more than 25 fragments"));
+  EXPECT_THAT(desk->status().text, testing::HasSubstr("more than 15 fragments"));
   EXPECT_EQ(desk->editor().text(), "Sphere_2");
   EXPECT_FALSE(desk->editor().can_redo());
   desk.until_done();

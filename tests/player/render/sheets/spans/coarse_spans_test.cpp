@@ -1,9 +1,12 @@
 #include "player/render/sheets/spans/coarse_spans.h"
 
 #include <algorithm>
+#include <array>
+#include <limits>
 
 #include <gtest/gtest.h>
 
+#include "player/render/light/voxel_sums.h"
 #include "tests/player/mean_field.h"
 #include "tests/player/prepared_selection.h"
 #include "tests/player/render/sheets/spans/unpacked_spans.h"
@@ -84,6 +87,12 @@ TEST(CoarseSpans, AreNotLitUnlessTheRequestAsksForIt) {
                           &fine, 1, prepared.pool);
   EXPECT_GT(spans.model().voxels, 0u);
   EXPECT_EQ(spans.model().lit_voxels, 0u);
+}
+
+TEST(VoxelSums, HaveAColourForTheSmallestEmissions) {
+  const float least = std::numeric_limits<float>::denorm_min();
+  EXPECT_EQ((VoxelSums{.emission = {least, 0, least}, .weight = least}.color()),
+            (std::array<float, 3>{1, 0, 1}));
 }
 
 TEST(CoarseGrid, CoversTheGridFromItsCorner) {
