@@ -45,10 +45,14 @@ struct LitVoxels {
     runs.clear();
     voxels.clear();
   }
+  /// Begins a run unless the last one goes on. `first`: index of its first voxel.
+  void begin_run(std::uint32_t number, std::size_t first, const std::array<float, 3>& color) {
+    if (runs.empty() || runs.back().end() != number || runs.back().color != color)
+      runs.push_back({number, static_cast<std::uint32_t>(first), 0, color});
+  }
   /// Appends a voxel to the last run, or to a new one behind a gap or with another colour.
   void add(std::uint32_t number, const LitVoxel& voxel, const std::array<float, 3>& color) {
-    if (runs.empty() || runs.back().end() != number || runs.back().color != color)
-      runs.push_back({number, static_cast<std::uint32_t>(voxels.size()), 0, color});
+    begin_run(number, voxels.size(), color);
     ++runs.back().count;
     voxels.push_back(voxel);
   }

@@ -20,6 +20,16 @@ struct VoxelSums {
   float weight = 0, lit = 0;  ///< of the emission: all of it, and its lit part
   std::array<float, 3> normal{};
 
+  /// Adds a voxel, weighted by its emission. `lit`: null unless it is lit.
+  void add(float of_extinction, const std::array<float, 3>& of_emission, const LitVoxel* of_lit,
+           const UnpackedNormals& unpacked) {
+    const float of_weight = of_emission[0] + of_emission[1] + of_emission[2];
+    extinction += of_extinction;
+    weight += of_weight;
+    for (std::size_t c = 0; c < 3; ++c) emission[c] += of_emission[c];
+    if (of_lit != nullptr)
+      add_light(of_weight * static_cast<float>(of_lit->lit) / LitVoxel::kAllLit, of_lit->normal, unpacked);
+  }
   /// Adds the lit emission of a voxel, in the unit of `weight`.
   void add_light(float emission_lit, PackedNormal of_voxel, const UnpackedNormals& unpacked) {
     lit += emission_lit;

@@ -65,14 +65,8 @@ class RayVolume::Averager {
       if (is_lit != nullptr) {
         for (std::size_t c = 0; c < 3; ++c) emission[c] = is_lit->white * lit.color()[c];
       }
-      const float weight = emission[0] + emission[1] + emission[2];
-      VoxelSums& sums = sums_[static_cast<std::size_t>((voxel >> level_) - coarse_.first_[0])];
-      sums.extinction += optics[0];
-      for (std::size_t c = 0; c < 3; ++c) sums.emission[c] += emission[c];
-      sums.weight += weight;
-      if (is_lit == nullptr) continue;
-      const float share = static_cast<float>(is_lit->lit) / LitVoxel::kAllLit;
-      sums.add_light(weight * share, is_lit->normal, unpacked_);
+      sums_[static_cast<std::size_t>((voxel >> level_) - coarse_.first_[0])].add(optics[0], emission, is_lit,
+                                                                                 unpacked_);
     }
   }
 

@@ -124,13 +124,7 @@ class SliceAverager {
       std::array<float, 3> emission{};
       for (std::size_t c = 0; c < static_cast<std::size_t>(slice.emissions); ++c)
         emission[c] = is_lit != nullptr ? is_lit->white * lit.color()[c] : optics[(c + 1) * kBlock];
-      const float weight = emission[0] + emission[1] + emission[2];
-      sums.extinction += optics[0];
-      sums.weight += weight;
-      for (std::size_t c = 0; c < 3; ++c) sums.emission[c] += emission[c];
-      if (is_lit != nullptr && request_.shade)
-        sums.add_light(weight * static_cast<float>(is_lit->lit) / LitVoxel::kAllLit, is_lit->normal,
-                       unpacked_);
+      sums.add(optics[0], emission, request_.shade ? is_lit : nullptr, unpacked_);
     }
   }
   /// The lit share of the n-th voxel.

@@ -138,7 +138,7 @@ void SpanWriter::end_span(std::size_t first_of_row) {
 void SpanWriter::list(const Run& run, std::size_t& s) {
   const float* const whites = line_.data() + white_plane() * plane_floats_ + run.place;
   const std::vector<Span>& spans = out_.spans;
-  auto& [runs, voxels] = out_.lit;
+  std::vector<LitVoxel>& voxels = out_.lit.voxels;
   std::size_t size = voxels.size();
   voxels.resize(size + run.count);
   bool goes_on = false;
@@ -154,11 +154,11 @@ void SpanWriter::list(const Run& run, std::size_t& s) {
     for (std::uint32_t n = 0, of_run = voxel - run.first; voxel < last; ++n, ++of_run, ++voxel, ++lane) {
       const std::uint16_t lit = run.light.lit == nullptr ? LitVoxel::kAllLit : run.light.lit[of_run];
       const bool is_lit = lit > 0 && white[n] > 0;
-      if (is_lit && !goes_on && (runs.empty() || runs.back().end() != lane || runs.back().color != run.color))
-        runs.push_back({lane, static_cast<std::uint32_t>(size), 0, run.color});
-      if (is_lit) voxels[size++] = {white[n], run.light.normals[of_run * run.light.stride], lit};
-      if (goes_on || is_lit) runs.back().count = static_cast<std::uint32_t>(size) - runs.back().first;
+      if (is_lit && !goes_on) out_.lit.begin_run(lane, size, run.color);
       goes_on = is_lit;
+      if (!is_lit) continue;
+      voxels[size++] = {white[n], run.light.normals[of_run * run.light.stride], lit};
+      ++out_.lit.runs.back().count;
     }
   }
   voxels.resize(size);
