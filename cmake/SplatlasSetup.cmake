@@ -16,18 +16,22 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
 set(CMAKE_LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib)
 set(CMAKE_INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
 
+# With relative paths and precompiled headers, all presets and clones share equal objects.
 find_program(SPLATLAS_CCACHE ccache)
 if(SPLATLAS_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${SPLATLAS_CCACHE})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}
+    CCACHE_SLOPPINESS=pch_defines,time_macros ${SPLATLAS_CCACHE})
 endif()
+
+set(CMAKE_UNITY_BUILD ${SPLATLAS_UNITY})
 
 # Flags of this project's own code, never of exported interfaces.
 add_library(splatlas_flags INTERFACE)
 target_compile_options(splatlas_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor -Wold-style-cast
-  # In unity batches: a local name of another source; false alarms of GCC 12 (its bug 105651).
+  # In unity batches: a local name of another source; false alarms of GCC 12 (its bugs 105651 and 105329).
   $<$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>:-Wno-shadow>
-  $<$<AND:$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>,$<CXX_COMPILER_ID:GNU>>:-Wno-restrict>
+  $<$<AND:$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>,$<CXX_COMPILER_ID:GNU>>:-Wno-restrict;-Wno-stringop-overflow>
   $<$<BOOL:${SPLATLAS_WERROR}>:-Werror>)
 if(SPLATLAS_SANITIZE)
   add_compile_definitions(SPLATLAS_SANITIZED)
@@ -35,16 +39,45 @@ if(SPLATLAS_SANITIZE)
   add_link_options(-fsanitize=${SPLATLAS_SANITIZE})
 endif()
 
+# Instruction sets of kernels, by the names of player/render/simd/simd_choice.h.
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")
   # NEON with AES. Kernels for SVE do not compile with Debian 12's Highway.
   add_compile_options(-march=armv8-a+crypto)
-  add_compile_definitions("HWY_DISABLED_TARGETS=(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128)")
+  set(disabled HWY_SVE HWY_SVE2 HWY_SVE_256 HWY_SVE2_128)
+else()
+  set(SPLATLAS_SIMD sse4 avx2 avx3 CACHE STRING "Instruction sets of the kernels: sse4, avx2, avx3 (AVX-512)")
+  set(disabled HWY_SSSE3)
+  foreach(name sse4 avx2 avx3)
+    if(NOT name IN_LIST SPLATLAS_SIMD)
+      string(TOUPPER HWY_${name} target)
+      list(APPEND disabled ${target})
+    endif()
+  endforeach()
+  # No kernel needs AES, which i3 laptops before 2013 lack.
+  add_compile_definitions(HWY_DISABLE_PCLMUL_AES)
 endif()
+list(JOIN disabled "|" disabled)
+# Without Highway's emulated vectors: the scalar reference takes their place.
+add_compile_definitions("HWY_DISABLED_TARGETS=(${disabled})" HWY_BROKEN_EMU128=1)
 
 # splatlas_alone(SOURCE...): sources outside unity batches, because their local names clash with another source's, or
 # because they are measured.
 function(splatlas_alone)
   set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
+
+# splatlas_precompile(TARGET): the headers that most sources include, compiled once. Sources with options of their own
+# take the headers as they are.
+function(splatlas_precompile target)
+  get_target_property(sources ${target} SOURCES)
+  foreach(source ${sources})
+    get_source_file_property(options ${source} COMPILE_OPTIONS)
+    if(options)
+      set_source_files_properties(${source} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
+    endif()
+  endforeach()
+  target_precompile_headers(${target} PRIVATE <algorithm> <array> <cstdint> <filesystem> <functional> <memory> <optional>
+    <span> <string> <string_view> <unordered_map> <vector> <fmt/format.h> <tl/expected.hpp>)
 endfunction()
 
 # splatlas_find(PACKAGE): finds a package that an exported library is linked with. The installed CMake package finds it
@@ -76,7 +109,4 @@ function(splatlas_library name)
   target_sources(splatlas_${name} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${arg_HEADERS})
   target_link_libraries(splatlas_${name} PRIVATE $<BUILD_INTERFACE:splatlas_flags>)
   target_compile_features(splatlas_${name} PUBLIC cxx_std_20)
-  if(SPLATLAS_SANITIZE)  # installed libraries are compiled source by source
-    set_target_properties(splatlas_${name} PROPERTIES UNITY_BUILD ${SPLATLAS_UNITY})
-  endif()
 endfunction()

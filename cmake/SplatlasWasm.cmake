@@ -55,6 +55,8 @@ target_compile_options(splatlas_flags INTERFACE -Wall -Wextra -Wpedantic -Wshado
   -include ${PROJECT_SOURCE_DIR}/player/web/compat/missing_library.h)
 target_include_directories(splatlas_flags SYSTEM INTERFACE ${PROJECT_SOURCE_DIR}/player/web/compat)
 
+function(splatlas_precompile)
+endfunction()
 function(splatlas_alone)
   set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()

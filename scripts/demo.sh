@@ -11,7 +11,8 @@ readonly templates=/usr/share/mricron/templates  # of Debian's package mricron-d
 readonly size=800x800
 
 build_programs() {
-  configure release
+  configure_web_module
+  configure release -DSPLATLAS_BUILD_TESTS=OFF -DSPLATLAS_BUILD_BENCH=OFF  # until scripts/test.sh turns them on
   cmake --build --preset release --target splatlas-preprocess splatlas-player splatlas-phantom
 }
 
@@ -87,9 +88,8 @@ make_page() {
 }
 
 mkdir -p out
-step "Packages" scripts/install_packages.sh
-step "Web module" build_web_module
-step "Programs" build_programs
+step "Packages" scripts/install_packages.sh --demo
+step "Programs, and their module for pages" build_programs
 step "Atlas of the phantom" make_phantom_atlas
 step "Atlas of the Colin 27 brain" make_colin27_atlas
 step "Gallery" for_each_picture render_picture

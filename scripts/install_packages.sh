@@ -1,20 +1,21 @@
 #!/usr/bin/env bash
-# Installs missing Debian 12 packages that building, running and testing Splatlas needs, or with --player those of the
-# player alone. If none is missing, it needs neither privileges nor the network.
+# Installs missing Debian 12 packages: for everything, the demo or the player. If none is missing, it needs neither
+# privileges nor the network.
 set -euo pipefail
 
 help() {
   cat <<'HELP'
-Usage: scripts/install_packages.sh [--player | --help]
+Usage: scripts/install_packages.sh [--demo | --player | --help]
 
   (no option)  Everything: programs, tests, benchmarks and their data.
+  --demo       Both programs, the page and the data of scripts/demo.sh, without tests and benchmarks.
   --player     The player and its libraries alone, without ITK, VTK, tests and benchmarks. Then build with
                cmake --preset player-only -DSPLATLAS_BUILD_TESTS=OFF && cmake --build --preset player-only
 HELP
 }
 
 # One package per line, with its purpose.
-packages=(
+player=(
   build-essential          # compiler and linker
   cmake                    # build system, tests, installation
   ninja-build              # the presets' generator
@@ -46,12 +47,7 @@ packages=(
   libimgui-dev             # window: Dear ImGui
   libsdl2-dev              # window: SDL2
 )
-packages_beside_player=(
-  ca-certificates          # for package sources over https
-  ccache                   # repeated builds
-  clang-format             # scripts/check_format.sh
-  clang-tidy               # scripts/check_tidy.sh
-
+demo=(
   libinsighttoolkit5-dev   # preprocess: readers, segmentation
   libvtk9-dev              # preprocess: marching cubes, mesh files
   libtiff-dev              # preprocess: TIFF
@@ -61,12 +57,22 @@ packages_beside_player=(
   libdcmtk-dev             # preprocess: DICOM
   libopenjp2-7-dev         # preprocess: JPEG 2000 in DICOM
 
+  ca-certificates          # for package sources over https
+  dpkg-dev                 # player in a page: sources of Debian
+  emscripten               # player in a page: C++ library, compiler, linker and Node for WebAssembly
+
+  mricron-data             # the Colin 27 brain: volume, AAL labels and names
+)
+tests=(
+  ccache                   # repeated builds
+  clang-format             # scripts/check_format.sh
+  clang-tidy               # scripts/check_tidy.sh
+
   libgmock-dev             # tests
   libgtest-dev             # tests
   librapidcheck-dev        # tests: properties
   clang                    # tests: compiles the fuzz targets
   libclang-rt-dev          # tests: libFuzzer, and Clang's sanitizers
-  fonts-dejavu-core        # tests and gallery: text in pictures
   libgl1-mesa-dri          # tests: OpenGL in software, under Xvfb
   libx11-dev               # tests: requests of window managers and other programs to a window
   munge                    # tests: authentication of Slurm
@@ -75,25 +81,22 @@ packages_beside_player=(
   xdotool                  # tests: mouse and keys
   xvfb                     # tests: a display without a screen
 
-  dpkg-dev                 # player in a page: sources of Debian
-  emscripten               # player in a page: C++ library, compiler, linker and Node for WebAssembly
-
   gnuplot-nox              # bench: plots
   libbenchmark-dev         # bench
   libdraco-dev             # bench: Draco, a peer of stored surfaces
   libvolpack1-dev          # bench: VolPack, a peer (as is VTK, above, which draws under xvfb)
 
   invesalius-examples      # bench: a CT of a head
-  mricron-data             # the Colin 27 brain: volume, AAL labels and names
   poppler-utils            # tests: text and pages of PDF
 )
 
 if (($# > 1)); then set -- "$*"; fi
 case ${1-} in
-  '') packages+=("${packages_beside_player[@]}") ;;
-  --player) ;;
+  '') packages=("${player[@]}" "${demo[@]}" "${tests[@]}") ;;
+  --demo) packages=("${player[@]}" "${demo[@]}") ;;
+  --player) packages=("${player[@]}") ;;
   --help | -h) help; exit 0 ;;
-  *) printf 'install_packages: %s: must be --player or --help\n' "$1" >&2; exit 2 ;;
+  *) printf 'install_packages: %s: must be --demo, --player or --help\n' "$1" >&2; exit 2 ;;
 esac
 
 say() { printf '%s\n' "$*"; }

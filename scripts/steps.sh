@@ -1,22 +1,29 @@
 # Steps with names and times, sourced by other scripts.
 # shellcheck shell=bash
 
-steps_begun=$SECONDS
 steps_done=()
 
-elapsed() { printf '%d:%02d min' $((($1) / 60)) $((($1) % 60)); }
+# now_in_seconds: "WALL CPU" since the start of the script. CPU is that of ended processes.
+now_in_seconds() {
+  local stat
+  read -ra stat </proc/$$/stat
+  printf '%d %d' "$SECONDS" $(((stat[13] + stat[14] + stat[15] + stat[16]) / 100))
+}
 
-# step NAME COMMAND...: runs the command under a headline and prints its time. A failure ends the script.
-# The command does not run within a condition, so `set -e` applies inside functions too.
+minutes() { printf '%d:%02d' $(($1 / 60)) $(($1 % 60)); }
+
+# step NAME COMMAND...: runs the command under a headline and prints its wall time and CPU time. A failure ends the
+# script. The command does not run within a condition, so `set -e` applies inside functions too.
 step() {
-  local name=$1 begun=$SECONDS
+  local name=$1 begun ended time
   shift
+  read -ra begun <<<"$(now_in_seconds)"
   printf '\n==> %s\n' "$name"
   step_name=$name
   "$@"
   step_name=
-  local time
-  time=$(elapsed $((SECONDS - begun)))
+  read -ra ended <<<"$(now_in_seconds)"
+  time=$(printf '%6s min, CPU %6s' "$(minutes $((ended[0] - begun[0])))" "$(minutes $((ended[1] - begun[1])))")
   steps_done+=("$time  $name")
   printf '    %s: %s\n' "$name" "$time"
 }
@@ -31,9 +38,11 @@ tell_failed_step() {
 trap tell_failed_step EXIT
 
 tell_times() {
+  local ended
+  read -ra ended <<<"$(now_in_seconds)"
   printf '\nTimes\n'
   printf '    %s\n' "${steps_done[@]}"
-  printf '    %s  in all\n' "$(elapsed $((SECONDS - steps_begun)))"
+  printf '    %6s min, CPU %6s  in all\n' "$(minutes "${ended[0]}")" "$(minutes "${ended[1]}")"
 }
 
 # up_to_date OUTPUT INPUT...: the output exists and no input is newer.
@@ -46,19 +55,18 @@ up_to_date() {
   done
 }
 
-# The player's module for pages, which the release build embeds. Where Debian's sources are out of reach, programs are
-# built without it.
-build_web_module() {
+# The player's module for pages, which the release build makes and embeds. Where Debian's sources are out of reach,
+# programs are built without it.
+configure_web_module() {
   local sources=build/web/third_party
   if [[ -d $sources/meshoptimizer/src ]] || scripts/fetch_web_sources.sh "$sources"; then
     configure web
-    cmake --build --preset web
   else
     printf 'No web module: its sources could not be fetched\n'
   fi
 }
 
-# configure PRESET: only without build files. Ninja detects later changes itself.
+# configure PRESET [OPTION]...: only without build files. Ninja detects later changes itself.
 configure() {
-  [[ -e build/$1/build.ninja ]] || cmake --preset "$1" --log-level=NOTICE --no-warn-unused-cli >/dev/null
+  [[ -e build/$1/build.ninja ]] || cmake --preset "$@" --log-level=NOTICE --no-warn-unused-cli >/dev/null
 }

@@ -35,7 +35,6 @@ esac
 source scripts/steps.sh
 
 export CMAKE_BUILD_PARALLEL_LEVEL=${CMAKE_BUILD_PARALLEL_LEVEL:-$(nproc)}
-export CCACHE_BASEDIR=$PWD  # presets share equal objects
 launcher=()  # command in front of builds and tests
 passed=0
 totals=()
@@ -48,6 +47,13 @@ if ((room >= 4 << 20)); then export TMPDIR=/dev/shm; fi
 build() {
   configure "$1"
   "${launcher[@]}" cmake --build --preset "$1" ${2:+--target "${@:2}"}
+}
+
+# Programs with their module for pages, tests and benches.
+build_release() {
+  configure_web_module
+  cmake --preset release -DSPLATLAS_BUILD_TESTS=ON -DSPLATLAS_BUILD_BENCH=ON --log-level=NOTICE >/dev/null  # after the demo
+  build release
 }
 
 # run_tests PRESET [CTEST_OPTION]...: all tests, or those that the options select. No test at all is a failure. A shard
@@ -72,8 +78,7 @@ step "Packages" scripts/install_packages.sh
 step "Layers of the sources" scripts/check_layers.sh
 step "Layout of the sources" scripts/check_format.sh
 step "Size of the sources" scripts/check_size.sh
-step "Web module: build" build_web_module
-step "Release: build" build release
+step "Release: build" build_release
 step "Release: tests" run_tests release
 
 if [[ $form == quick ]]; then

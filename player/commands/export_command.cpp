@@ -34,7 +34,7 @@
 namespace splatlas {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kExportFooter =
     "The page is one file. Browsers open it from a disk or a server, without a network. It needs WebAssembly "
     "with\n"
     "SIMD and exceptions; elsewhere it shows its opening picture. docs/web.md tells how to use it.\n"
@@ -175,7 +175,7 @@ CLI::App* add_export(CLI::App& app, ExportRequest& request) {
         throw CLI::ValidationError(option, "goes with one atlas; leave it out, or name one");
     }
   });
-  command->footer(kFooter);
+  command->footer(kExportFooter);
   return command;
 }
 

@@ -30,7 +30,7 @@
 namespace splatlas {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kRenderFooter =
     "Selection text: terms joined by '+', removals by '-':\n"
     "  NAME[:surface|:volume|:both][(opacity=0.4,color=#ff8800)]\n"
     "NAME is a structure's id, name or path (Brain/Cerebellum/Left), '*' stands for any characters;\n"
@@ -302,7 +302,7 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
       *command, "--depth", request.depth, parse_file_name, "must name a file",
       "depth map to write, .exr: mm from the plane through the picture's centre towards the eye, NaN for "
       "background");
-  command->footer(kFooter);
+  command->footer(kRenderFooter);
   return command;
 }
 

@@ -1,11 +1,14 @@
-# Embeds the page for browsers in splatlas-player, with the WebAssembly module where it is built (docs/web.md).
+# Embeds the page for browsers in splatlas-player, with the WebAssembly module where it is configured (docs/web.md).
 set(SPLATLAS_WEB_MODULE AUTO CACHE STRING
-  "splatlas.wasm that the player embeds; AUTO: build/web/splatlas.wasm if it exists; OFF: none")
+  "splatlas.wasm that the player embeds; AUTO: that of the preset web if it is configured; OFF: none")
 set(web_module ${SPLATLAS_WEB_MODULE})
 if(web_module STREQUAL AUTO)
-  set(web_module ${PROJECT_SOURCE_DIR}/build/web/splatlas.wasm)
-  if(NOT EXISTS ${web_module})
-    set(web_module "")
+  set(web_folder ${PROJECT_SOURCE_DIR}/build/web)
+  set(web_module "")
+  if(EXISTS ${web_folder}/build.ninja)
+    set(web_module ${web_folder}/splatlas.wasm)
+    add_custom_target(splatlas-web-module COMMAND ${CMAKE_COMMAND} --build ${web_folder} --target splatlas-web
+      BYPRODUCTS ${web_module} COMMENT "Building splatlas.wasm" VERBATIM)
   endif()
 elseif(NOT web_module)
   set(web_module "")
@@ -28,7 +31,7 @@ if(web_module)
   list(APPEND embedded ${module_gzip})
   list(APPEND definitions SPLATLAS_WEB_MODULE_GZIP="${module_gzip}")
 else()
-  message(STATUS "No splatlas.wasm: splatlas-player export --html will tell how to get it (docs/web.md)")
+  message(STATUS "No splatlas.wasm: splatlas-player export --html will explain how to get it (docs/web.md)")
 endif()
 set_source_files_properties(${embedding} PROPERTIES
   COMPILE_DEFINITIONS "${definitions}" OBJECT_DEPENDS "${embedded}" SKIP_UNITY_BUILD_INCLUSION ON)

@@ -152,13 +152,16 @@ std::uint64_t render_bands(const SheetPass& pass, const SheetSpans& spans, const
     const std::int64_t first = static_cast<std::int64_t>(n) * band_rows;
     BandImage image(window, strip.model.emissions, first, std::min(first + band_rows, window.rows), floats);
     trace.begin(frame, pass.shear, window, image, n);
-    if (pass.ends == nullptr) {
-      Band(strip, clip, trace, image, fragments[n]).render();
-    } else {
-      BandEnds ends(*pass.ends, image);
-      Band(strip, clip, trace, image, ends).render();
-      ends.restore();
+    if constexpr (std::is_same_v<Trace, NoTrace>) {  // shares need all fragments
+      if (pass.ends != nullptr) {
+        BandEnds ends(*pass.ends, image);
+        Band(strip, clip, trace, image, ends).render();
+        ends.restore();
+        image.store(sheet);
+        return;
+      }
     }
+    Band(strip, clip, trace, image, fragments[n]).render();
     image.store(sheet);
   };
   std::uint64_t voxels = 0;

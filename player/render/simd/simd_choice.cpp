@@ -36,7 +36,10 @@ bool apply_forced_simd() {
 }  // namespace
 
 std::int64_t supported_targets() {
-  const std::int64_t targets = hwy::SupportedTargets();
+  std::int64_t targets = hwy::SupportedTargets();
+#if HWY_ARCH_X86
+  if (__builtin_cpu_supports("sse4.2")) targets |= HWY_SSE4;  // Highway asks for AES, too
+#endif
   hwy::GetChosenTarget().Update(targets);
   return targets;
 }

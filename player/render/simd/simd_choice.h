@@ -25,7 +25,7 @@ inline bool scalar_is_forced() {
   return forced_simd() == "scalar";
 }
 
-/// Instruction sets by their names.
+/// Instruction sets by their names. The build has those of SPLATLAS_SIMD (cmake/SplatlasSetup.cmake).
 inline constexpr std::array<std::pair<std::string_view, std::int64_t>, 3> kSimdNames{
     {{"sse4", HWY_SSE4}, {"avx2", HWY_AVX2}, {"avx3", HWY_AVX3}}};
 
@@ -33,11 +33,12 @@ inline constexpr std::array<std::pair<std::string_view, std::int64_t>, 3> kSimdN
 /// dispatch: hwy::SupportedTargets() alone resets it to all sets that the machine has.
 [[nodiscard]] std::int64_t supported_targets();
 
-/// True unless SPLATLAS_SIMD has an unknown name, or that of an instruction set that the machine lacks.
+/// True unless SPLATLAS_SIMD has an unknown name, or that of an instruction set that the machine or the build
+/// lacks.
 inline bool simd_is_available() {
   if (forced_simd().empty() || scalar_is_forced()) return true;
   return std::ranges::any_of(kSimdNames, [](const auto& simd) {
-    return simd.first == forced_simd() && (supported_targets() & simd.second) != 0;
+    return simd.first == forced_simd() && (supported_targets() & HWY_TARGETS & simd.second) != 0;
   });
 }
 

@@ -184,7 +184,7 @@ HWY_INLINE Pair<V> ShiftBitsRight(const Pair<V>& v) {
   return {ShiftBitsRight<kBits>(v.low), ShiftBitsRight<kBits>(v.high)};
 }
 
-#if HWY_TARGET == HWY_SSSE3 || HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_EMU128
+#if HWY_TARGET == HWY_SSE4
 
 /// factor * x + addend, rounded once. There is no instruction for it: double holds the product exactly, so
 /// that one result in 2^28 or so is rounded twice.

@@ -113,7 +113,7 @@ class SceneReader {
     const auto found = value.value<double>();
     if (!found || !(*found >= low && *found <= high)) {
       const std::string given =
-          found ? fmt::format(" {}", *found) : " " + in_quotes(value.value_or(std::string()));
+          fmt::format(" {}", found ? fmt::to_string(*found) : in_quotes(value.value_or(std::string())));
       refuse(value, fmt::format("{}{} must be a number from {} to {}", key, given, low, high));
     }
     return found.value_or(0);

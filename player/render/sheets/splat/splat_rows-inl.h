@@ -19,7 +19,7 @@ HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {
 
 template <int kEmissions, int kRows, int kPhases, class Clip>
-HWY_INLINE void CompositePairs(const SheetRows& rows, const Clip& clip, float slab_mm, float threshold,
+void CompositePairs(const SheetRows& rows, const Clip& clip, float slab_mm, float threshold,
                                const ImageRows& image) {
   Splat<kEmissions, kRows, kPhases, Clip> splat(rows, clip, slab_mm, threshold, image);
   for (std::int64_t pair = 0; pair < rows.pairs; ++pair) splat.CompositePair(pair);
@@ -27,7 +27,7 @@ HWY_INLINE void CompositePairs(const SheetRows& rows, const Clip& clip, float sl
 
 /// Every phase row by itself.
 template <int kEmissions, class Clip>
-HWY_INLINE void CompositeOneByOne(const SheetRows& rows, const Clip& clip, float slab_mm, float threshold,
+void CompositeOneByOne(const SheetRows& rows, const Clip& clip, float slab_mm, float threshold,
                                   const ImageRows& image) {
   SheetRows one = rows;
   one.rows_between = one.phase_count = 1;
@@ -45,7 +45,7 @@ HWY_INLINE void CompositeOneByOne(const SheetRows& rows, const Clip& clip, float
 }
 
 template <int kEmissions, class Clip>
-HWY_INLINE void CompositeEmissions(const SheetRows& rows, const Clip& clip, float slab_mm, float threshold,
+void CompositeEmissions(const SheetRows& rows, const Clip& clip, float slab_mm, float threshold,
                                    const ImageRows& image) {
   const std::size_t group = 10 * rows.rows_between + rows.phase_count;
   if constexpr (Clip::kHasAllGroups) {
