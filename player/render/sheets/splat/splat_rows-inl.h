@@ -20,7 +20,7 @@ namespace splatlas::HWY_NAMESPACE {
 
 template <int kEmissions, int kRows, int kPhases, class Clip>
 void CompositePairs(const SheetRows& rows, const Clip& clip, float slab_mm, float threshold,
-                               const ImageRows& image) {
+                    const ImageRows& image) {
   Splat<kEmissions, kRows, kPhases, Clip> splat(rows, clip, slab_mm, threshold, image);
   for (std::int64_t pair = 0; pair < rows.pairs; ++pair) splat.CompositePair(pair);
 }
@@ -28,7 +28,7 @@ void CompositePairs(const SheetRows& rows, const Clip& clip, float slab_mm, floa
 /// Every phase row by itself.
 template <int kEmissions, class Clip>
 void CompositeOneByOne(const SheetRows& rows, const Clip& clip, float slab_mm, float threshold,
-                                  const ImageRows& image) {
+                       const ImageRows& image) {
   SheetRows one = rows;
   one.rows_between = one.phase_count = 1;
   for (std::size_t row = 0; row < rows.rows_between; ++row) {
@@ -46,7 +46,7 @@ void CompositeOneByOne(const SheetRows& rows, const Clip& clip, float slab_mm, f
 
 template <int kEmissions, class Clip>
 void CompositeEmissions(const SheetRows& rows, const Clip& clip, float slab_mm, float threshold,
-                                   const ImageRows& image) {
+                        const ImageRows& image) {
   const std::size_t group = 10 * rows.rows_between + rows.phase_count;
   if constexpr (Clip::kHasAllGroups) {
     if (group == 12) return CompositePairs<kEmissions, 1, 2>(rows, clip, slab_mm, threshold, image);
