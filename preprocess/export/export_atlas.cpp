@@ -161,24 +161,26 @@ bool export_voxels(const Atlas& atlas, const ExportOptions& options, ExportedFil
          (options.volume.empty() || note(from_content(volume), options.volume.string(), files));
 }
 
-Result<std::string> export_table(const std::string& text, const char* kind, const fs::path& path) {
-  SPLATLAS_RETURN_IF_ERROR(write_file(path, std::as_bytes(std::span(text))));
+Result<std::string> export_table(const Result<std::string>& text, const char* kind, const fs::path& path) {
+  if (!text) return fail(text.error().code, "{}: {}", path.string(), text.error().message);
+  SPLATLAS_RETURN_IF_ERROR(write_file(path, std::as_bytes(std::span(*text))));
   return fmt::format("{}: {}", path.string(), kind);
 }
 
 /// Writes the outputs in order, up to a failure that is no damage.
 void write_outputs(const Atlas& atlas, const std::vector<std::vector<StructureIndex>>& structures,
-                   const std::string& names, const ExportOptions& options, ExportedFiles& files) {
+                   const ExportOptions& options, ExportedFiles& files) {
+  const auto table = [&](const Result<std::string>& text, const char* kind, const fs::path& path) {
+    return note(export_table(text, kind, path), path.string(), files);
+  };
   if (!options.names.empty() &&
-      !note(export_table(names, "names", options.names), options.names.string(), files))
+      !table(names_text(atlas.graph(), options.names_format), "names", options.names))
     return;
   if (const std::string lost = losses_of(atlas.graph(), options.names_format);
       !options.names.empty() && !lost.empty())
     files.notes.push_back(
         fmt::format("{}: does not hold {}; --names-format csv does", options.names.string(), lost));
-  if (!options.tree.empty() &&
-      !note(export_table(tree_text(atlas.graph()), "tree", options.tree), options.tree.string(), files))
-    return;
+  if (!options.tree.empty() && !table(tree_text(atlas.graph()), "tree", options.tree)) return;
   if (!options.labels.empty() || !options.volume.empty()) {
     if (!export_voxels(atlas, options, files)) return;
   }
@@ -201,11 +203,10 @@ Result<ExportedFiles> export_atlas(const ExportOptions& options) {
     return bad_file(atlas->name(), "holds no grey values to export");
   if (!options.labels.empty() && !is_folder_of_masks(options) && atlas->label_type() == VoxelType::kNone)
     return bad_file(atlas->name(), "was not made from a label map; export masks: --labels FOLDER/");
-  SPLATLAS_ASSIGN_OR_RETURN(const std::string names, names_text(atlas->graph(), options.names_format));
   ExportedFiles files;
   try {
     const TaskControl task({}, {}, &atlas->work_budget());
-    write_outputs(*atlas, structures, names, options, files);
+    write_outputs(*atlas, structures, options, files);
   } catch (const OverBudget& over) {
     files.failures.push_back(over.error());
   }
