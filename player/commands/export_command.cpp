@@ -122,7 +122,9 @@ Result<std::vector<std::byte>> draw(const std::shared_ptr<const Atlas>& atlas, O
     const TaskControl task({}, {}, &atlas->work_budget());
     return Selection::parse(opening.select, atlas->graph());
   }();
-  if (!selection) return fail(selection.error().code, "{}: {}", atlas->name(), selection.error().message);
+  if (!selection)
+    return tl::unexpected(
+        in_selection(selection.error(), *atlas, opening.scene ? atlas->scenes()[*opening.scene].name : ""));
   Renderer renderer(atlas, {.max_memory_bytes = kModuleMemory});
   SPLATLAS_RETURN_IF_ERROR(renderer.select(*selection));
   const RenderOptions options{
