@@ -211,12 +211,8 @@ Error with_option(Error error) {
 Result<void> write_outputs(const RenderRequest& request, std::span<const std::byte> picture,
                            const std::string& stats, const Frame& frame) {
   std::vector<OutputFile> files;
-  const auto write_to = [&files](const std::filesystem::path& path,
-                                 std::span<const std::byte> bytes) -> Result<void> {
-    SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(path));
-    SPLATLAS_RETURN_IF_ERROR(file.write(bytes));
-    files.push_back(std::move(file));
-    return {};
+  const auto write_to = [&files](const std::filesystem::path& path, std::span<const std::byte> bytes) {
+    return add_file(path, bytes, files);
   };
   if (!request.ids.empty()) {
     SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, encode_ids(frame.ids, request.ids));
