@@ -115,15 +115,16 @@ Result<std::optional<Vec3>> center_of(const FrameCenter& center, const Atlas& at
 
 Result<SceneFraming> framing_of(const Scene& scene, const Atlas& atlas) {
   const auto in_scene = [&](const Error& error) {
-    return Error{
-        error.code, fmt::format("{}: scene {}: {}", atlas.name(), in_quotes(scene.name), error.message), {}};
+    return Error{ErrorCode::kInvalidAtlas,
+                 fmt::format("{}: scene {}: {}", atlas.name(), in_quotes(scene.name), error.message),
+                 {}};
   };
   SceneFraming framing;
   SPLATLAS_ASSIGN_OR_RETURN(framing.cuts, parse_cuts(scene.cuts).map_error(in_scene));
   if (scene.center.empty()) return framing;
   const auto center = parse_center(scene.center);
   if (!center)
-    return fail(ErrorCode::kUsage, "{}: scene {}: centre {} is no point within reach", atlas.name(),
+    return fail(ErrorCode::kInvalidAtlas, "{}: scene {}: centre {} is no point within reach", atlas.name(),
                 in_quotes(scene.name), in_quotes(scene.center));
   SPLATLAS_ASSIGN_OR_RETURN(framing.center_lps_mm, center_of(*center, atlas).map_error(in_scene));
   return framing;

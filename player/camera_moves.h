@@ -50,8 +50,8 @@ struct SceneFraming {
   std::optional<Vec3> center_lps_mm;  ///< none: the middle of the selection
 };
 
-/// Reads the texts of a scene of this atlas. kUsage, kNotFound or kFailed for bad ones; messages name the
-/// atlas and the scene. Thread-safe.
+/// Reads the texts of a scene of this atlas. kInvalidAtlas for bad ones; messages name the atlas and the
+/// scene. Thread-safe.
 [[nodiscard]] Result<SceneFraming> framing_of(const Scene& scene, const Atlas& atlas);
 
 }  // namespace splatlas

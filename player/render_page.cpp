@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "format/result_macros.h"
+#include "format/text/ascii_text.h"
 #include "player/files/picture_encoder.h"
 #include "player/files/text_drawer.h"
 #include "player/page/annotate_picture.h"
@@ -19,22 +20,19 @@ namespace splatlas {
 namespace {
 
 constexpr int kMaxPicks = 40000;
-/// Longer texts would take the whole page, and seconds to lay out.
-constexpr std::size_t kMaxTextBytes = 4000;
+/// Longer texts would take the whole page, and seconds to lay out. Names of built atlases are never longer.
+constexpr std::size_t kMaxTextBytes = 4000, kMaxNameBytes = 800;
 
 /// A text as printed, cut off if it is too long.
-std::string one_line(std::string_view text) {
-  if (text.size() <= kMaxTextBytes) return printable(text);
-  std::size_t end = kMaxTextBytes;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0u) == 0x80u) --end;  // whole characters
-  return printable(text.substr(0, end)) + "\xe2\x80\xa6";
+std::string one_line(std::string_view text, std::size_t max_bytes = kMaxTextBytes) {
+  return printable(shortened(text, max_bytes));
 }
 
 /// The name of a structure as printed: blanks for underscores.
 std::string printed_name(const Structure& structure) {
   std::string name = structure.name.empty() ? structure.id : structure.name;
   std::ranges::replace(name, '_', ' ');
-  return printable(name);
+  return one_line(name, kMaxNameBytes);
 }
 
 /// Composites a picture over a vertical gradient.

@@ -134,12 +134,13 @@ struct Selection {
 [[nodiscard]] Result<void> check_selection(const Selection& selection, const StructureGraph& graph);
 
 /// Parses selection text without resolving names. A blank text has no terms. kUsage with the column (bytes,
-/// from 1) of the first fault.
+/// from 1) of the first fault. Throws as check_task().
 [[nodiscard]] Result<std::vector<SelectionTerm>> parse_selection(std::string_view text);
 
 /// Applies the terms to the graph. kNotFound, with the column of the term, if a name or label is unknown or
 /// ambiguous.
-/// The name "*" selects nothing in a graph without structures.
+/// The name "*" selects nothing in a graph without structures. Throws as check_task(). Cost: linear in the
+/// terms, the structures of each, and the graph; a pass over the graph for each path or pattern.
 [[nodiscard]] Result<Selection> resolve_selection(std::span<const SelectionTerm> terms,
                                                   const StructureGraph& graph);
 /// Writes short selection text: one term per uniform subtree, removals for exceptions. Selection::parse() of

@@ -86,10 +86,17 @@ Result<void> commit_files(std::span<OutputFile> files) {
   return {};
 }
 
-Result<void> write_file(const fs::path& path, std::span<const std::byte> bytes) {
+Result<void> add_file(const fs::path& path, std::span<const std::byte> bytes,
+                      std::vector<OutputFile>& files) {
   SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(path));
-  SPLATLAS_RETURN_IF_ERROR(file.write(bytes));
-  return file.commit();
+  files.push_back(std::move(file));
+  return files.back().write(bytes);
+}
+
+Result<void> write_file(const fs::path& path, std::span<const std::byte> bytes) {
+  std::vector<OutputFile> files;
+  SPLATLAS_RETURN_IF_ERROR(add_file(path, bytes, files));
+  return commit_files(files);
 }
 
 }  // namespace splatlas

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "format/result.h"
 
@@ -44,6 +45,10 @@ class OutputFile {
 
 /// Commits several files: names them only after all are complete on disk.
 [[nodiscard]] Result<void> commit_files(std::span<OutputFile> files);
+
+/// Creates and writes a file, and adds it to those that commit_files() names.
+[[nodiscard]] Result<void> add_file(const std::filesystem::path& path, std::span<const std::byte> bytes,
+                                    std::vector<OutputFile>& files);
 
 /// Creates, writes and commits one file.
 [[nodiscard]] Result<void> write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);

@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <string>
+#include <unordered_map>
 
 #include <fmt/format.h>
 
 #include "format/result_macros.h"
 #include "format/selection/selection_terms.h"
+#include "format/tasks/task_control.h"
 #include "format/text/ascii_text.h"
 
 namespace splatlas {
@@ -82,6 +85,39 @@ void add(const SelectionTerm& term, std::uint32_t number, const Structure& struc
   restyle(term, draw.volume);
   draw.term = number;
 }
+
+/// Finds the targets of many terms: without an index, each would take a pass over all structures.
+class TargetFinder {
+ public:
+  TargetFinder(const StructureGraph& graph, std::size_t terms) : graph_(graph) {
+    constexpr std::size_t kFewTerms = 32;  // cost less than the index
+    if (terms < kFewTerms) return;
+    for (StructureIndex s = 0; s < graph.size(); ++s) {
+      const Structure& structure = graph[s];
+      index_.emplace("id " + to_lower(structure.id), s);
+      index_.emplace("name " + to_lower(structure.name), s);
+      if (structure.label) index_.emplace(fmt::format("label {}", *structure.label), s);
+    }
+  }
+
+  [[nodiscard]] Result<std::vector<StructureIndex>> find(const SelectionTerm& term) const {
+    const bool is_pattern = term.name.find('*') != std::string::npos;
+    if (index_.empty() || is_pattern || term.target == TermTarget::kRest) return find_target(graph_, term);
+    const std::string name = to_lower(term.name);
+    const std::vector<std::string> keys = term.target == TermTarget::kLabel
+                                              ? std::vector{fmt::format("label {}", term.label)}
+                                              : std::vector{"id " + name, "name " + name};
+    for (const std::string& key : keys) {
+      const auto [first, end] = index_.equal_range(key);
+      if (first != end && std::next(first) == end) return std::vector{first->second};
+    }
+    return find_target(graph_, term);  // a path, or an error
+  }
+
+ private:
+  const StructureGraph& graph_;
+  std::unordered_multimap<std::string, StructureIndex> index_;  // keys in lower case
+};
 
 }  // namespace
 
@@ -159,8 +195,10 @@ Result<std::vector<StructureIndex>> find_target(const StructureGraph& graph, con
 Result<void> for_each_term(
     std::span<const SelectionTerm> terms, const StructureGraph& graph,
     const std::function<void(const SelectionTerm&, std::uint32_t, std::span<const StructureIndex>)>& take) {
+  const TargetFinder targets(graph, terms.size());
   const auto structures_of = [&](const SelectionTerm& term) -> Result<std::vector<StructureIndex>> {
-    const auto found = find_target(graph, term);
+    check_task();
+    const auto found = targets.find(term);
     if (found) return graph.descendants(*found);
     return fail(found.error().code, "selection, column {}: {}", term.column + 1, found.error().message);
   };

@@ -5,6 +5,7 @@
 #include "format/result_macros.h"
 #include "format/selection/selection_options.h"
 #include "format/selection/selection_terms.h"
+#include "format/tasks/task_control.h"
 #include "format/text/ascii_text.h"
 
 namespace splatlas {
@@ -26,6 +27,7 @@ class Parser {
     if (next_is('-'))
       return fault("there is nothing to remove from yet; begin with what to show, or \"*\" for all");
     for (bool remove = false;;) {
+      check_task();
       SPLATLAS_ASSIGN_OR_RETURN(SelectionTerm next, term(remove));
       terms.push_back(std::move(next));
       skip_blanks();

@@ -7,6 +7,7 @@
 #include "format/content/selection.h"
 #include "format/result_macros.h"
 #include "format/selection/glob.h"
+#include "format/tasks/task_control.h"
 #include "format/text/ascii_text.h"
 
 namespace splatlas {
@@ -25,6 +26,7 @@ bool is_path_suffix(const StructureGraph& graph, StructureIndex s, std::string_v
   std::set<State> seen;
   std::vector<State> open{{s, path.size()}};
   while (!open.empty()) {
+    check_task();
     const State state = open.back();
     open.pop_back();
     if (!seen.insert(state).second) continue;
@@ -69,6 +71,7 @@ std::vector<StructureIndex> match_wildcard(const StructureGraph& graph, std::str
   const bool begins_anywhere = pattern.find('/') != std::string_view::npos;
   std::vector<Glob::States> after_path(graph.size());
   for (const StructureIndex s : graph.topological()) {
+    check_task();
     Glob::States before = begins_anywhere || graph[s].parents.empty() ? glob.start() : glob.none();
     for (const StructureIndex parent : graph[s].parents) {
       Glob::merge(glob.read(after_path[parent], "/"), before);

@@ -151,6 +151,12 @@ std::string escaped_markup(std::string_view text) {
   return escaped;
 }
 
+std::string shortened(std::string_view text, std::size_t max_bytes) {
+  if (text.size() <= max_bytes) return std::string(text);
+  while (max_bytes > 0 && (static_cast<unsigned char>(text[max_bytes]) & 0xc0u) == 0x80u) --max_bytes;
+  return std::string(text.substr(0, max_bytes)) + "\xe2\x80\xa6";
+}
+
 std::string in_quotes(std::string_view text) {
   constexpr std::size_t kMaxBytes = 80;
   const std::string start = printable_start(text, kMaxBytes);

@@ -80,6 +80,9 @@ template <std::size_t n>
 /// Escapes the characters & < > " of XML and HTML.
 [[nodiscard]] std::string escaped_markup(std::string_view text);
 
+/// The text; a longer one than `max_bytes` is cut behind whole characters, with an ellipsis.
+[[nodiscard]] std::string shortened(std::string_view text, std::size_t max_bytes);
+
 /// Printable text in double quotes, truncated to 80 bytes with "...".
 [[nodiscard]] std::string in_quotes(std::string_view text);
 

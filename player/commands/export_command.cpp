@@ -24,6 +24,7 @@
 #include "format/io/output_path.h"
 #include "format/program/command_options.h"
 #include "format/result_macros.h"
+#include "format/tasks/task_control.h"
 #include "format/text/ascii_text.h"
 #include "format/text/json_text.h"
 #include "player/camera_moves.h"
@@ -117,8 +118,13 @@ Result<std::vector<std::byte>> encode_webp(const Picture& picture) {
 
 /// Fits the camera and draws the picture.
 Result<std::vector<std::byte>> draw(const std::shared_ptr<const Atlas>& atlas, Opening& opening) {
-  const Result<Selection> selection = Selection::parse(opening.select, atlas->graph());
-  if (!selection) return fail(selection.error().code, "{}: {}", atlas->name(), selection.error().message);
+  const Result<Selection> selection = [&] {
+    const TaskControl task({}, {}, &atlas->work_budget());
+    return Selection::parse(opening.select, atlas->graph());
+  }();
+  if (!selection)
+    return tl::unexpected(
+        in_selection(selection.error(), *atlas, opening.scene ? atlas->scenes()[*opening.scene].name : ""));
   Renderer renderer(atlas, {.max_memory_bytes = kModuleMemory});
   SPLATLAS_RETURN_IF_ERROR(renderer.select(*selection));
   const RenderOptions options{

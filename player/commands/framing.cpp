@@ -43,4 +43,11 @@ Result<Scene> find_scene(const std::string& name, const Atlas& atlas) {
               names.empty() ? "no scenes; build it with --scene FILE.toml" : "the scenes " + names);
 }
 
+Error in_selection(const Error& error, const Atlas& atlas, const std::string& scene) {
+  if (scene.empty()) return {error.code, fmt::format("{}: {}", atlas.name(), error.message), {}};
+  return {ErrorCode::kInvalidAtlas,
+          fmt::format("{}: scene {}: {}", atlas.name(), in_quotes(scene), error.message),
+          {}};
+}
+
 }  // namespace splatlas

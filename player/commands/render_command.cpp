@@ -211,12 +211,8 @@ Error with_option(Error error) {
 Result<void> write_outputs(const RenderRequest& request, std::span<const std::byte> picture,
                            const std::string& stats, const Frame& frame) {
   std::vector<OutputFile> files;
-  const auto write_to = [&files](const std::filesystem::path& path,
-                                 std::span<const std::byte> bytes) -> Result<void> {
-    SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(path));
-    SPLATLAS_RETURN_IF_ERROR(file.write(bytes));
-    files.push_back(std::move(file));
-    return {};
+  const auto write_to = [&files](const std::filesystem::path& path, std::span<const std::byte> bytes) {
+    return add_file(path, bytes, files);
   };
   if (!request.ids.empty()) {
     SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, encode_ids(frame.ids, request.ids));
@@ -360,13 +356,14 @@ Result<RenderReport> run_render(const RenderRequest& request, const RenderContro
   SPLATLAS_ASSIGN_OR_RETURN(const Shown shown, shown_by(request, *atlas));
   pages.set_cuts(shown.cuts);
   if (!options.caption && !shown.caption.empty()) pages.set_caption(shown.caption);
-  SPLATLAS_ASSIGN_OR_RETURN(const auto terms, parse_selection(shown.select));
-  const Result<Selection> selection = resolve_selection(terms, atlas->graph());
-  if (!selection) return fail(selection.error().code, "{}: {}", atlas->name(), selection.error().message);
+  const auto named = [&](const Error& error) { return in_selection(error, *atlas, request.scene); };
+  SPLATLAS_ASSIGN_OR_RETURN(const auto terms, parse_selection(shown.select).map_error(named));
+  SPLATLAS_ASSIGN_OR_RETURN(const Selection selection,
+                            resolve_selection(terms, atlas->graph()).map_error(named));
   RenderReport report;
   SPLATLAS_ASSIGN_OR_RETURN(report.warnings, selection_warnings(terms, *atlas));
   Renderer renderer(atlas, request.renderer);
-  SPLATLAS_RETURN_IF_ERROR(renderer.select(*selection));
+  SPLATLAS_RETURN_IF_ERROR(renderer.select(selection));
 
   // Render and write
   SPLATLAS_ASSIGN_OR_RETURN(Page page, pages.render(renderer, shown.camera, control).map_error(with_option));

@@ -4,28 +4,33 @@
 #include <cstddef>
 #include <utility>
 
+#include "format/tasks/task_control.h"
+
 namespace splatlas {
 namespace {
 
-/// Ends of the UTF-8 characters of a text.
-std::vector<std::size_t> character_ends(std::string_view text) {
-  std::vector<std::size_t> ends;
-  for (std::size_t at = 1; at <= text.size(); ++at) {
-    if (at == text.size() || (static_cast<unsigned char>(text[at]) & 0xc0u) != 0x80u) ends.push_back(at);
-  }
-  return ends;
+/// The end of the UTF-8 character that holds the byte before `bytes`.
+std::size_t whole_characters(std::string_view text, std::size_t bytes) {
+  while (bytes < text.size() && (static_cast<unsigned char>(text[bytes]) & 0xc0u) == 0x80u) ++bytes;
+  return std::min(bytes, text.size());
 }
 
 /// Bytes of the longest beginning of whole characters that `fits`. The cost follows the beginning, not the
 /// text: exponential and binary search.
 template <typename Fits>
 std::size_t fitting(std::string_view text, const Fits& fits) {
-  const std::vector<std::size_t> ends = character_ends(text);
-  std::size_t count = 1;
-  while (count < ends.size() && fits(ends[count - 1])) count *= 2;
-  const auto place = [&](std::size_t n) { return ends.begin() + static_cast<std::ptrdiff_t>(n); };
-  const auto end = std::partition_point(place(count / 2), place(std::min(count, ends.size())), fits);
-  return end == ends.begin() ? 0 : *(end - 1);
+  std::size_t most = 0, beyond = whole_characters(text, 1);  // fits; does not fit
+  while (fits(beyond)) {
+    most = beyond;
+    if (most == text.size()) return most;
+    beyond = whole_characters(text, 2 * most);
+  }
+  while (whole_characters(text, most + 1) < beyond) {
+    std::size_t middle = whole_characters(text, (most + beyond) / 2);
+    if (middle == beyond) middle = whole_characters(text, most + 1);
+    (fits(middle) ? most : beyond) = middle;
+  }
+  return most;
 }
 
 }  // namespace
@@ -35,6 +40,7 @@ std::vector<std::string> wrap_text(std::string_view text, double max_width,
   std::vector<std::string> lines;
   std::string line;
   while (!text.empty()) {
+    check_task();
     const std::size_t blank = text.find(' ');
     std::string_view word = text.substr(0, blank);
     text = blank == std::string_view::npos ? std::string_view() : text.substr(blank + 1);
@@ -45,10 +51,10 @@ std::vector<std::string> wrap_text(std::string_view text, double max_width,
       continue;
     }
     if (!line.empty()) lines.push_back(line);
-    while (width_of(word) > max_width) {
+    while (true) {
       const auto fits = [&](std::size_t bytes) { return width_of(word.substr(0, bytes)) <= max_width; };
-      const std::size_t end = std::max(character_ends(word).front(), fitting(word, fits));
-      if (end >= word.size()) break;
+      const std::size_t end = std::max(whole_characters(word, 1), fitting(word, fits));
+      if (end == word.size()) break;
       lines.emplace_back(word.substr(0, end));
       word.remove_prefix(end);
     }

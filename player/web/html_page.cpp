@@ -17,6 +17,9 @@
 namespace splatlas {
 namespace {
 
+/// Browsers take a minute to lay out a line of some hundred thousand letters.
+constexpr std::size_t kMaxTextBytes = 4000;
+
 std::string base64(std::span<const std::byte> bytes) {
   std::string text(BASE64_ENCODE_RAW_LENGTH(bytes.size()), '\0');
   base64_encode_raw(text.data(), bytes.size(), reinterpret_cast<const std::uint8_t*>(bytes.data()));
@@ -92,8 +95,8 @@ Result<std::string> encode_html(const HtmlPage& page) {
   const std::string title = page.title.empty() ? "Anatomy atlas" : page.title;
   const std::array<std::pair<std::string_view, std::string>, 11> values{
       {{"policy", policy(script, style, !page.url.empty())},
-       {"title", escaped_markup(title)},
-       {"caption", escaped_markup(page.caption)},
+       {"title", escaped_markup(shortened(title, kMaxTextBytes))},
+       {"caption", escaped_markup(shortened(page.caption, kMaxTextBytes))},
        {"style", std::string(style)},
        {"script", script},
        {"picture", base64(page.picture)},
@@ -112,7 +115,8 @@ std::string encode_catalogue(std::span<const CatalogueEntry> entries) {
     list += fmt::format(
         "<li><a href=\"{}\"><img src=\"data:image/webp;base64,{}\" alt=\"\"><strong><bdi>{}</bdi></strong>"
         "<span>{}</span></a></li>\n",
-        entry.url, base64(entry.picture), escaped_markup(entry.title), escaped_markup(entry.text));
+        entry.url, base64(entry.picture), escaped_markup(shortened(entry.title, kMaxTextBytes)),
+        escaped_markup(entry.text));
   }
   const std::array<std::pair<std::string_view, std::string>, 3> values{
       {{"policy",

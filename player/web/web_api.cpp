@@ -13,6 +13,7 @@
 
 #include "format/io/input_file.h"
 #include "format/result_macros.h"
+#include "format/tasks/task_control.h"
 #include "format/text/json_text.h"
 #include "player/camera_moves.h"
 #include "player/renderer.h"
@@ -96,6 +97,7 @@ Json camera_json(const Camera& camera) {
 
 /// Selects. Returns warnings.
 Result<Json> select(Renderer& renderer, std::string_view text) {
+  const TaskControl task({}, {}, &renderer.atlas().work_budget());
   SPLATLAS_ASSIGN_OR_RETURN(const auto terms, parse_selection(text));
   SPLATLAS_ASSIGN_OR_RETURN(Selection selection, resolve_selection(terms, renderer.atlas().graph()));
   SPLATLAS_ASSIGN_OR_RETURN(const auto warnings, selection_warnings(terms, renderer.atlas()));

@@ -161,7 +161,8 @@ Result<BuildReport> build_atlas(const BuildOptions& options) {
   return build_atlas(options, notes);
 }
 
-Result<BuildReport> build_atlas(const BuildOptions& options, Notes& notes) {
+Result<BuildReport> build_atlas(const BuildOptions& options, Notes& notes,
+                                const std::function<Result<void>(std::vector<OutputFile>&)>& add_files) {
   SPLATLAS_RETURN_IF_ERROR(check_outputs(std::array{options.output}, list_files(options.sources)));
   SPLATLAS_RETURN_IF_ERROR(check_writable_file(options.output));
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<SceneFile> scenes, read_all_scenes(options.sources.scenes));
@@ -188,7 +189,10 @@ Result<BuildReport> build_atlas(const BuildOptions& options, Notes& notes) {
   SPLATLAS_ASSIGN_OR_RETURN(BuildReport report, report_on(*bytes, options.output, structures));
   {
     const DeferInterrupts no_half_file;
-    SPLATLAS_RETURN_IF_ERROR(write_file(options.output, *bytes));
+    std::vector<OutputFile> files;
+    SPLATLAS_RETURN_IF_ERROR(add_file(options.output, *bytes, files));
+    if (add_files) SPLATLAS_RETURN_IF_ERROR(add_files(files));
+    SPLATLAS_RETURN_IF_ERROR(commit_files(files));
   }
   clock.end();
 

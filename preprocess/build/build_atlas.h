@@ -3,9 +3,11 @@
 
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
+#include "format/io/output_file.h"
 #include "preprocess/build/build_progress.h"
 #include "preprocess/build/segment_structures.h"
 #include "preprocess/import/notes.h"
@@ -40,7 +42,10 @@ struct BuildReport {
 
 /// Builds an atlas. Refuses an output that is an input or cannot be written before reading any input. On
 /// errors the old output file is unchanged. `notes` receives the notes also of a build that fails.
-[[nodiscard]] Result<BuildReport> build_atlas(const BuildOptions& options, Notes& notes);
+/// `add_files` adds files that are named together with the atlas, once all notes are there.
+[[nodiscard]] Result<BuildReport> build_atlas(
+    const BuildOptions& options, Notes& notes,
+    const std::function<Result<void>(std::vector<OutputFile>& files)>& add_files = {});
 /// The same, with the notes in the report only.
 [[nodiscard]] Result<BuildReport> build_atlas(const BuildOptions& options);
 

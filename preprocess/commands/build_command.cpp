@@ -133,10 +133,6 @@ void add_sources(CLI::App& build, SourceFiles& sources) {
                  "keep named labels without voxels, as empty structures");
 }
 
-Result<void> write_text(const std::filesystem::path& path, const std::string& text) {
-  return write_file(path, std::as_bytes(std::span(text)));
-}
-
 Result<void> print_summary(const BuildReport& report, const std::filesystem::path& output) {
   double seconds = 0;
   for (const auto& stage : report.stages) seconds += stage.seconds;
@@ -196,7 +192,15 @@ Result<void> run_build(const BuildRequest& request) {
   SPLATLAS_RETURN_IF_ERROR(check_outputs(outputs, list_files(options.sources)));
   for (const std::filesystem::path& file : outputs) SPLATLAS_RETURN_IF_ERROR(check_writable_file(file));
   Notes notes;
-  const Result<BuildReport> report = build_atlas(options, notes);
+  const auto add = [](const std::filesystem::path& path, const std::string& text,
+                      std::vector<OutputFile>& files) -> Result<void> {
+    return path.empty() ? Result<void>() : add_file(path, std::as_bytes(std::span(text)), files);
+  };
+  const auto add_reports = [&](std::vector<OutputFile>& files) -> Result<void> {
+    SPLATLAS_RETURN_IF_ERROR(add(request.json, report_as_json(notes), files));
+    return add(request.report, report_as_html(notes, options.output), files);
+  };
+  const Result<BuildReport> report = build_atlas(options, notes, add_reports);
   display.finish();
   const std::string error = report ? std::string() : report.error().message;
   if (request.progress != ProgressMode::kJson) {
@@ -205,9 +209,6 @@ Result<void> run_build(const BuildRequest& request) {
       print_to(stderr, PrintableText("{}: {}\n", note.kind.is_warning ? "warning" : "note", note.message()));
     }
   }
-  if (!request.json.empty()) SPLATLAS_RETURN_IF_ERROR(write_text(request.json, report_as_json(notes, error)));
-  if (!request.report.empty())
-    SPLATLAS_RETURN_IF_ERROR(write_text(request.report, report_as_html(notes, error, options.output)));
   if (!report) return tl::unexpected(report.error());
   return print_summary(*report, options.output);
 }

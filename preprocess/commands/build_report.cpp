@@ -17,16 +17,15 @@ constexpr const char* kHead = R"(<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>{0}</title>
 <style>
 body {{ font: 16px/1.5 sans-serif; max-width: 50em; margin: 2em auto; padding: 0 1em; }}
-.error, .warning {{ border-left: 4px solid #c33; padding-left: .7em; }} .warning {{ border-color: #d90; }}
+.warning {{ border-left: 4px solid #c33; padding-left: .7em; }} .warning {{ border-color: #d90; }}
 .note {{ border-left: 4px solid #69c; padding-left: .7em; }} summary {{ cursor: pointer; }}
 </style></head><body><h1>{0}</h1>
 )";
 
 }  // namespace
 
-std::string report_as_json(const Notes& notes, const std::string& error) {
-  nlohmann::ordered_json report{{"error", nullptr}, {"notes", nlohmann::ordered_json::array()}};
-  if (!error.empty()) report["error"] = error;
+std::string report_as_json(const Notes& notes) {
+  nlohmann::ordered_json report{{"notes", nlohmann::ordered_json::array()}};
   for (const Note& note : notes.all()) {
     report["notes"].push_back({{"kind", note.kind.id},
                                {"warning", note.kind.is_warning},
@@ -37,9 +36,8 @@ std::string report_as_json(const Notes& notes, const std::string& error) {
   return json_text(report);
 }
 
-std::string report_as_html(const Notes& notes, const std::string& error, const std::filesystem::path& atlas) {
+std::string report_as_html(const Notes& notes, const std::filesystem::path& atlas) {
   std::string page = fmt::format(kHead, "Build of " + escaped_html(atlas.filename().string()));
-  if (!error.empty()) page += fmt::format("<p class=\"error\">Failed: {}</p>\n", escaped_html(error));
   if (notes.empty()) page += "<p>Nothing is odd.</p>\n";
   for (const Note& note : notes.all()) {
     page += fmt::format("<details class=\"{}\"><summary>{}</summary><ul>\n",

@@ -8,11 +8,10 @@
 
 namespace splatlas {
 
-/// {"error": null or text, "notes": [{"kind": "empty-masks", "warning": bool, "count": N, "message": "...",
+/// {"notes": [{"kind": "empty-masks", "warning": bool, "count": N, "message": "...",
 /// "items": [...]}]}.
-[[nodiscard]] std::string report_as_json(const Notes& notes, const std::string& error);
+[[nodiscard]] std::string report_as_json(const Notes& notes);
 /// A page of its own, without scripts. `atlas` is named in its title.
-[[nodiscard]] std::string report_as_html(const Notes& notes, const std::string& error,
-                                         const std::filesystem::path& atlas);
+[[nodiscard]] std::string report_as_html(const Notes& notes, const std::filesystem::path& atlas);
 
 }  // namespace splatlas

@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <sys/resource.h>
 
 #include "format/program/command_options.h"
 #include "format/program/standard_output.h"
@@ -63,6 +64,10 @@ CLI::App* add_export(CLI::App& app, ExportOptions& options) {
 }
 
 Result<void> run_export(const ExportOptions& options) {
+  rlimit open_files{};  // all outputs are open until they are named
+  ::getrlimit(RLIMIT_NOFILE, &open_files);
+  open_files.rlim_cur = open_files.rlim_max;
+  ::setrlimit(RLIMIT_NOFILE, &open_files);
   SPLATLAS_ASSIGN_OR_RETURN(const ExportedFiles files, export_atlas(options));
   for (const std::string& line : files.written)
     SPLATLAS_RETURN_IF_ERROR(print_text(PrintableText("{}\n", line)));

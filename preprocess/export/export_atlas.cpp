@@ -92,17 +92,23 @@ void check_volumes(const Grid& grid, std::size_t copies, std::size_t bytes) {
   check_memory(static_cast<double>(grid.voxels()) * static_cast<double>(sizeof(ClassId) + copies * bytes));
 }
 
-/// Exports labels as a label map or as masks. Adds notes.
+/// Files that are written, to be named together.
+using UnnamedFiles = std::vector<OutputFile>;
+
+/// Exports labels as a label map, or as masks, together with the files before. Adds notes.
 Result<std::string> export_labels(const AtlasContent& content, const Atlas& atlas,
-                                  const ExportOptions& options, std::vector<std::string>& notes) {
+                                  const ExportOptions& options, UnnamedFiles& unnamed,
+                                  std::vector<std::string>& notes) {
   if (is_folder_of_masks(options)) {
     check_volumes(atlas.grid(), 2, sizeof(ClassId));  // in the order of the source; masks
-    SPLATLAS_ASSIGN_OR_RETURN(const ExportedMasks masks, export_masks(content, options.labels));
+    SPLATLAS_ASSIGN_OR_RETURN(const ExportedMasks masks, export_masks(content, options.labels, unnamed));
+    unnamed.clear();
     notes.insert(notes.end(), masks.notes.begin(), masks.notes.end());
     return fmt::format("{}: {} masks", options.labels, masks.count);
   }
   check_volumes(atlas.grid(), 2, bytes_of(content.label_type));
-  SPLATLAS_RETURN_IF_ERROR(export_label_map(content, atlas.name(), options.labels));
+  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, export_label_map(content, atlas.name(), options.labels));
+  unnamed.push_back(std::move(file));
   if (const auto left_out = structures_without_label(content); !left_out.empty()) {
     constexpr std::size_t kMaxListed = 10;
     const auto listed = std::span(left_out).first(std::min(left_out.size(), kMaxListed));
@@ -114,15 +120,18 @@ Result<std::string> export_labels(const AtlasContent& content, const Atlas& atla
   return fmt::format("{}: labels, {}", options.labels, name_of(content.label_type));
 }
 
-Result<std::string> export_volume(const AtlasContent& content, const Atlas& atlas, const fs::path& path) {
+Result<std::string> export_volume(const AtlasContent& content, const Atlas& atlas, const fs::path& path,
+                                  UnnamedFiles& unnamed) {
   check_volumes(atlas.grid(), 4, bytes_of(atlas.value_type()));
   SPLATLAS_ASSIGN_OR_RETURN(const VoxelBuffer values, atlas.read_value_volume(content.class_volume));
-  SPLATLAS_RETURN_IF_ERROR(write_image({content.source_grid, to_source_order(values, content)}, path));
+  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file,
+                            write_image({content.source_grid, to_source_order(values, content)}, path));
+  unnamed.push_back(std::move(file));
   return fmt::format("{}: volume, {}", path.string(), name_of(values.type));
 }
 
 Result<std::string> export_surface(const Atlas& atlas, const std::vector<StructureIndex>& structures,
-                                   const fs::path& path) {
+                                   const fs::path& path, UnnamedFiles& unnamed) {
   constexpr double kBytesPerTriangle = 280;
   double written = 0;
   for (const StructureIndex s : structures) written += static_cast<double>(atlas.triangles(s));
@@ -133,7 +142,8 @@ Result<std::string> export_surface(const Atlas& atlas, const std::vector<Structu
     SPLATLAS_ASSIGN_OR_RETURN(surfaces.emplace_back(), atlas.read_surface(s));
     triangles += surfaces.back().triangles.size();
   }
-  SPLATLAS_RETURN_IF_ERROR(write_mesh(surfaces, atlas.grid(), path));
+  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, write_mesh(surfaces, atlas.grid(), path));
+  unnamed.push_back(std::move(file));
   return fmt::format("{}: {} triangles", path.string(), triangles);
 }
 
@@ -150,42 +160,46 @@ bool note(Result<std::string> result, const std::string& output, ExportedFiles& 
   return is_damage;
 }
 
-bool export_voxels(const Atlas& atlas, const ExportOptions& options, ExportedFiles& files) {
-  const Result<AtlasContent> content = atlas.read_classes();
-  const auto from_content = [&](const auto& write) {
-    return content ? write(*content) : Result<std::string>(tl::unexpected(content.error()));
-  };
-  const auto labels = [&](const AtlasContent& c) { return export_labels(c, atlas, options, files.notes); };
-  const auto volume = [&](const AtlasContent& c) { return export_volume(c, atlas, options.volume); };
-  return (options.labels.empty() || note(from_content(labels), options.labels, files)) &&
-         (options.volume.empty() || note(from_content(volume), options.volume.string(), files));
-}
-
-Result<std::string> export_table(const std::string& text, const char* kind, const fs::path& path) {
-  SPLATLAS_RETURN_IF_ERROR(write_file(path, std::as_bytes(std::span(text))));
+Result<std::string> export_table(const Result<std::string>& text, const char* kind, const fs::path& path,
+                                 UnnamedFiles& unnamed) {
+  if (!text) return fail(text.error().code, "{}: {}", path.string(), text.error().message);
+  SPLATLAS_RETURN_IF_ERROR(add_file(path, std::as_bytes(std::span(*text)), unnamed));
   return fmt::format("{}: {}", path.string(), kind);
 }
 
-/// Writes the outputs in order, up to a failure that is no damage.
-void write_outputs(const Atlas& atlas, const std::vector<std::vector<StructureIndex>>& structures,
-                   const std::string& names, const ExportOptions& options, ExportedFiles& files) {
+/// Writes the outputs in order, up to a failure that is no damage; masks last. True if there is none.
+bool write_outputs(const Atlas& atlas, const std::vector<std::vector<StructureIndex>>& structures,
+                   const ExportOptions& options, UnnamedFiles& unnamed, ExportedFiles& files) {
+  const auto table = [&](const Result<std::string>& text, const char* kind, const fs::path& path) {
+    return note(export_table(text, kind, path, unnamed), path.string(), files);
+  };
   if (!options.names.empty() &&
-      !note(export_table(names, "names", options.names), options.names.string(), files))
-    return;
+      !table(names_text(atlas.graph(), options.names_format), "names", options.names))
+    return false;
   if (const std::string lost = losses_of(atlas.graph(), options.names_format);
       !options.names.empty() && !lost.empty())
     files.notes.push_back(
         fmt::format("{}: does not hold {}; --names-format csv does", options.names.string(), lost));
-  if (!options.tree.empty() &&
-      !note(export_table(tree_text(atlas.graph()), "tree", options.tree), options.tree.string(), files))
-    return;
-  if (!options.labels.empty() || !options.volume.empty()) {
-    if (!export_voxels(atlas, options, files)) return;
-  }
+  if (!options.tree.empty() && !table(tree_text(atlas.graph()), "tree", options.tree)) return false;
+  const auto voxels = [&](bool has_labels, bool has_volume) {
+    if (!has_labels && !has_volume) return true;
+    const Result<AtlasContent> content = atlas.read_classes();
+    const auto write = [&](const std::string& path, const auto& body) {
+      return note(content ? body() : Result<std::string>(tl::unexpected(content.error())), path, files);
+    };
+    return (!has_labels ||
+            write(options.labels,
+                  [&] { return export_labels(*content, atlas, options, unnamed, files.notes); })) &&
+           (!has_volume || write(options.volume.string(),
+                                 [&] { return export_volume(*content, atlas, options.volume, unnamed); }));
+  };
+  const bool has_masks = is_folder_of_masks(options);
+  if (!voxels(!options.labels.empty() && !has_masks, !options.volume.empty())) return false;
   for (std::size_t n = 0; n < structures.size(); ++n) {
     const fs::path& path = options.surfaces[n].second;
-    if (!note(export_surface(atlas, structures[n], path), path.string(), files)) return;
+    if (!note(export_surface(atlas, structures[n], path, unnamed), path.string(), files)) return false;
   }
+  return voxels(has_masks, false);
 }
 
 }  // namespace
@@ -201,14 +215,19 @@ Result<ExportedFiles> export_atlas(const ExportOptions& options) {
     return bad_file(atlas->name(), "holds no grey values to export");
   if (!options.labels.empty() && !is_folder_of_masks(options) && atlas->label_type() == VoxelType::kNone)
     return bad_file(atlas->name(), "was not made from a label map; export masks: --labels FOLDER/");
-  SPLATLAS_ASSIGN_OR_RETURN(const std::string names, names_text(atlas->graph(), options.names_format));
   ExportedFiles files;
   try {
     const TaskControl task({}, {}, &atlas->work_budget());
-    write_outputs(*atlas, structures, names, options, files);
+    UnnamedFiles unnamed;
+    if (write_outputs(*atlas, structures, options, unnamed, files)) {
+      const Result<void> named = commit_files(unnamed);
+      if (named) return files;
+      files.failures.push_back(named.error());
+    }
   } catch (const OverBudget& over) {
     files.failures.push_back(over.error());
   }
+  files.written.clear();
   return files;
 }
 

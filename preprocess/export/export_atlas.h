@@ -37,8 +37,8 @@ struct ExportedFiles {
 /// Exports files. Volumes have the grid, axis order and pixel type of the source. Before reading: kUsage for
 /// unknown file types and for outputs that are the atlas or another output; kFailed for outputs that cannot
 /// be written. Before writing: kNotFound for unknown structures; kFailed for an atlas without the requested
-/// grey values, labels or surface. Writes each file atomically. Damage affects only the files that need the
-/// damaged data.
+/// grey values, labels or surface. Names files only once all are written: after another failure than damage
+/// there is none. Damage affects only the files that need the damaged data.
 [[nodiscard]] Result<ExportedFiles> export_atlas(const ExportOptions& options);
 
 }  // namespace splatlas

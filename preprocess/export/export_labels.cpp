@@ -216,7 +216,8 @@ VoxelBuffer to_source_order(const VoxelBuffer& stored, const AtlasContent& conte
   return source;
 }
 
-Result<void> export_label_map(const AtlasContent& content, const std::string& name, const fs::path& path) {
+Result<OutputFile> export_label_map(const AtlasContent& content, const std::string& name,
+                                    const fs::path& path) {
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::int64_t> labels, labels_of_classes(content, name));
   VoxelBuffer stored{content.label_type,
                      std::vector<std::byte>(content.class_volume.size() * bytes_of(content.label_type))};
@@ -243,11 +244,13 @@ std::vector<std::string> structures_without_label(const AtlasContent& content) {
   return names;
 }
 
-Result<ExportedMasks> export_masks(const AtlasContent& content, const fs::path& path) {
+Result<ExportedMasks> export_masks(const AtlasContent& content, const fs::path& path,
+                                   std::span<OutputFile> others) {
   // An interrupt waits for the current mask; then the temporary folder is removed.
   const DeferInterrupts no_folder_left;
   SPLATLAS_ASSIGN_OR_RETURN(OutputFolder folder, OutputFolder::create(path));
   SPLATLAS_ASSIGN_OR_RETURN(ExportedMasks masks, write_masks(content, folder));
+  SPLATLAS_RETURN_IF_ERROR(commit_files(others));
   SPLATLAS_RETURN_IF_ERROR(folder.commit());
   return masks;
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "format/content/atlas_content.h"
+#include "format/io/output_file.h"
 
 namespace splatlas {
 
@@ -17,9 +18,9 @@ namespace splatlas {
 
 /// Writes the source label map, voxel for voxel, as a volume file, without structures that have no label
 /// (segments, surfaces). kFailed if labels overlap, and for a label that label_type cannot hold exactly.
-/// Messages call the atlas `name`.
-[[nodiscard]] Result<void> export_label_map(const AtlasContent& content, const std::string& name,
-                                            const std::filesystem::path& path);
+/// Messages call the atlas `name`. The file has no name until commit().
+[[nodiscard]] Result<OutputFile> export_label_map(const AtlasContent& content, const std::string& name,
+                                                  const std::filesystem::path& path);
 
 /// Names of the structures with voxels that have no label: segments, which a label map leaves out.
 [[nodiscard]] std::vector<std::string> structures_without_label(const AtlasContent& content);
@@ -32,9 +33,10 @@ struct ExportedMasks {
 
 /// Writes one mask (uint8, 1 inside) per structure to a new or empty folder, atomically: ID.nii.gz, or
 /// ID.nrrd if NIfTI cannot hold the grid. Groups and external surfaces have no mask. Ids that are unsafe as
-/// file names are changed by file_names_of().
+/// file names are changed by file_names_of(). Commits `others` once all masks are written.
 [[nodiscard]] Result<ExportedMasks> export_masks(const AtlasContent& content,
-                                                 const std::filesystem::path& folder);
+                                                 const std::filesystem::path& folder,
+                                                 std::span<OutputFile> others = {});
 
 /// File names for `names`, in their order: NAME + `ending`, unique ignoring case, the same on every machine.
 ///

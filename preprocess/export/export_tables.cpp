@@ -50,32 +50,33 @@ std::string column_name(const std::string& vocabulary) {
 }
 
 /// label, name, color, id, and a column per vocabulary. Several terms of one vocabulary are joined by ";".
-std::string csv_text(const StructureGraph& graph) {
-  std::vector<std::string> vocabularies;
+Result<std::string> csv_text(const StructureGraph& graph) {
+  std::string text = "label,name,color,id";
+  std::map<std::string, std::size_t> columns;  // by vocabulary
   for (const Structure& structure : graph.structures()) {
     for (const Term& term : structure.terms) {
-      if (std::ranges::find(vocabularies, term.vocabulary) == vocabularies.end())
-        vocabularies.push_back(term.vocabulary);
+      if (columns.emplace(term.vocabulary, columns.size()).second)
+        text += fmt::format(",{}", csv_field(column_name(term.vocabulary)));
     }
   }
-  std::string text = "label,name,color,id";
-  for (const std::string& vocabulary : vocabularies)
-    text += fmt::format(",{}", csv_field(column_name(vocabulary)));
   text += "\n";
   for (StructureIndex s = 0; s < graph.size(); ++s) {
     const Structure& structure = graph[s];
     if (!structure.label && (structure.external || !graph.children(s).empty())) continue;
     text += fmt::format("{},{},{},{}", structure.label ? fmt::to_string(*structure.label) : "",
                         csv_field(structure.name), to_hex(structure.color), csv_field(structure.id));
-    for (const std::string& vocabulary : vocabularies) {
-      std::string values;
-      for (const Term& term : structure.terms) {
-        if (term.vocabulary == vocabulary)
-          values += fmt::format("{}{}", values.empty() ? "" : ";", term.value);
-      }
-      text += fmt::format(",{}", csv_field(values));
+    std::vector<std::string> values(columns.size());
+    for (const Term& term : structure.terms) {
+      std::string& value = values[columns.at(term.vocabulary)];
+      value += (value.empty() ? "" : ";") + term.value;
     }
+    for (const std::string& value : values) text += "," + csv_field(value);
     text += "\n";
+    if (text.size() > kMaxTextBytes)
+      return fail(ErrorCode::kLimit,
+                  "{} vocabularies of {} structures take more than {} bytes, the limit of a table that "
+                  "is read; choose a --names-format without vocabularies, such as bids",
+                  columns.size(), graph.size(), kMaxTextBytes);
   }
   return text;
 }
@@ -180,8 +181,29 @@ std::string losses_of(const StructureGraph& graph, NamesFormat format) {
   return colors + (colors.empty() ? "" : ", ") + "synonyms, languages and codes";
 }
 
-std::string tree_text(const StructureGraph& graph) {
+Result<std::string> tree_text(const StructureGraph& graph) {
   const TreeNames names(graph);
+  // Count paths and their bytes first; infinite if they are too many for a double
+  std::vector<double> paths(graph.size()), bytes(graph.size());
+  double all_paths = 0, all_bytes = 0;
+  for (const StructureIndex s : graph.topological()) {
+    paths[s] = graph[s].parents.empty() ? 1 : 0;
+    for (const StructureIndex parent : graph[s].parents) {
+      paths[s] += paths[parent];
+      bytes[s] += bytes[parent];
+    }
+    const bool is_group = !graph.children(s).empty();
+    bytes[s] += paths[s] * static_cast<double>(is_group ? names.of_group(s).size() + 1 : names.of(s).size());
+    constexpr std::size_t kRestOfLine = std::string_view(" color=#rrggbb\n").size();
+    all_paths += paths[s];
+    all_bytes += bytes[s] + paths[s] * kRestOfLine;
+  }
+  if (all_bytes > kMaxTextBytes) {
+    return fail(ErrorCode::kLimit,
+                "{:.4g} paths of {} structures take {:.4g} bytes, and a tree file has at most {}; leave "
+                "out --tree",
+                all_paths, graph.size(), all_bytes, kMaxTextBytes);
+  }
   std::string text;
   // Depth first with an explicit stack; a structure has a line under each of its parents.
   struct Place {

@@ -110,7 +110,7 @@ Result<ImageFormat> writable_image_format(const fs::path& path) {
   return format;
 }
 
-Result<void> write_image(const Image& image, const fs::path& path) {
+Result<OutputFile> write_image(const Image& image, const fs::path& path) {
   std::optional<OutputFile> file;
   SPLATLAS_RETURN_IF_ERROR(write_whole(image, path, [&](Bytes piece) -> Result<void> {
     if (!file) {
@@ -118,7 +118,7 @@ Result<void> write_image(const Image& image, const fs::path& path) {
     }
     return file->write(piece);
   }));
-  return file->commit();
+  return std::move(*file);
 }
 
 Result<std::vector<std::byte>> encode_mask_file(const Grid& grid, const MaskSlices& mask,

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "format/io/output_file.h"
 #include "preprocess/import/images/import_image.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
 
@@ -14,10 +15,10 @@ namespace splatlas {
 /// Output format by file extension; kUsage for unknown extensions and formats with two files.
 [[nodiscard]] Result<ImageFormat> writable_image_format(const std::filesystem::path& path);
 
-/// Writes .nii, .nii.gz, .nrrd or .mha, atomically (format/io/output_file.h). The voxels have a type and
-/// fill the grid, which is valid. kFailed, before a file exists, for a geometry that the format cannot hold
+/// Writes .nii, .nii.gz, .nrrd or .mha, up to commit(). The voxels have a type and fill the grid, which is
+/// valid. kFailed, before a file exists, for a geometry that the format cannot hold
 /// (image_headers.h). Cost: compresses in pieces; .mha keeps the compressed voxels in memory.
-[[nodiscard]] Result<void> write_image(const Image& image, const std::filesystem::path& path);
+[[nodiscard]] Result<OutputFile> write_image(const Image& image, const std::filesystem::path& path);
 
 /// Slices of a mask: uint8, 1 inside. All others are 0.
 struct MaskSlices {

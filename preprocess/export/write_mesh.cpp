@@ -238,7 +238,7 @@ Result<MeshFormat> writable_mesh_format(const fs::path& path) {
   return format;
 }
 
-Result<void> write_mesh(std::span<const SurfaceMesh> surfaces, const Grid& grid, const fs::path& path) {
+Result<OutputFile> write_mesh(std::span<const SurfaceMesh> surfaces, const Grid& grid, const fs::path& path) {
   SPLATLAS_ASSIGN_OR_RETURN(const MeshFormat format, writable_mesh_format(path));
   const std::vector<Corners> corners = corners_of(surfaces, grid);
   const double largest_mm = largest_coordinate_mm(corners), edge_mm = std::ranges::min(grid.spacing_mm);
@@ -250,7 +250,7 @@ Result<void> write_mesh(std::span<const SurfaceMesh> surfaces, const Grid& grid,
   SPLATLAS_ASSIGN_OR_RETURN(const bool written, write_as(format, *polygons, comment_of(surfaces), file));
   // Read back: VTK detects a full disk only for some formats, and lost bytes for none.
   const auto back = read_mesh_here(file.temporary(), format);
-  if (written && back && holds_triangles(back->mesh, corners)) return file.commit();
+  if (written && back && holds_triangles(back->mesh, corners)) return file;
   if (written && loses_triangles(corners)) return too_far(path, largest_mm, edge_mm);
   return bad_file(path, "cannot be written whole; is the disk full?");
 }

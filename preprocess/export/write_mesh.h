@@ -7,6 +7,7 @@
 
 #include "format/content/grid.h"
 #include "format/content/surface.h"
+#include "format/io/output_file.h"
 #include "preprocess/import/meshes/import_mesh.h"
 
 namespace splatlas {
@@ -21,10 +22,10 @@ using Corners = std::array<Vec3, 3>;
 /// Output format by file extension; kUsage for unknown extensions.
 [[nodiscard]] Result<MeshFormat> writable_mesh_format(const std::filesystem::path& path);
 
-/// Writes all surfaces, in LPS mm, to one .stl, .ply, .vtk (all binary) or .obj file, atomically; with
-/// normals if the format supports them. If any surface is smoothed, the file's comment is "smoothed 1".
+/// Writes all surfaces, in LPS mm, to one .stl, .ply, .vtk (all binary) or .obj file, up to commit();
+/// with normals if the format supports them. If any surface is smoothed, the file's comment is "smoothed 1".
 /// `grid` is the storage grid. kFailed for coordinates at which single precision cannot tell corners apart.
-[[nodiscard]] Result<void> write_mesh(std::span<const SurfaceMesh> surfaces, const Grid& grid,
-                                      const std::filesystem::path& path);
+[[nodiscard]] Result<OutputFile> write_mesh(std::span<const SurfaceMesh> surfaces, const Grid& grid,
+                                            const std::filesystem::path& path);
 
 }  // namespace splatlas

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/cli/hostile_atlas.h"
 #include "tests/cli/phantom_atlas.h"
 #include "tests/cli/read_pixels.h"
 #include "tests/support/file_bytes.h"
@@ -97,15 +98,28 @@ TEST_F(Annotate, WritesEveryScriptAndNotesMissingLetters) {
   EXPECT_THAT(result.err, HasSubstr("note: no font has all letters of \"a"));
 }
 
+/// Bytes of the texts in an SVG file.
+std::size_t letters_of(const std::string& svg) {
+  std::size_t letters = 0;
+  for (std::size_t at = svg.find("<text"); at != std::string::npos; at = svg.find("<text", at + 1))
+    letters += svg.find("</text>", at) - svg.find('>', at) - 1;
+  return letters;
+}
+
+TEST_F(Annotate, CutsLongNames) {
+  write_bytes(folder.file("a.atlas"),
+              value_or_throw(encode_atlas(hostile_content({"a"}, {std::string(5000, 'i')}))));
+  const ProgramResult result =
+      run_player({"render", "a.atlas", "-o", "a.svg", "--annotate", "labels"}, folder.path());
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(letters_of(read_bytes(folder.file("a.svg"))), 803u) << "cut off with an ellipsis";
+}
+
 TEST_F(Annotate, BreaksLongTextsInTime) {
   const ProgramResult result = render({"-o", "a.svg", "--size", "3000x3000", "--dpi", "100", "--annotate",
                                        "caption", "--caption", std::string(5000, 'i')});
   ASSERT_EQ(result.status, 0) << result.err;
-  const std::string svg = read_bytes(folder.file("a.svg"));
-  std::size_t letters = 0;
-  for (std::size_t at = svg.find("<text"); at != std::string::npos; at = svg.find("<text", at + 1))
-    letters += svg.find("</text>", at) - svg.find('>', at) - 1;
-  EXPECT_EQ(letters, 4003u) << "cut off with an ellipsis";
+  EXPECT_EQ(letters_of(read_bytes(folder.file("a.svg"))), 4003u) << "cut off with an ellipsis";
 }
 
 TEST_F(Annotate, WritesSvgWithText) {

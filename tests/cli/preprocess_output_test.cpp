@@ -7,8 +7,10 @@
 
 #include <gmock/gmock.h>
 
+#include "format/atlas_writer.h"
 #include "tests/cli/phantom_atlas.h"
 #include "tests/support/file_bytes.h"
+#include "tests/support/test_content.h"
 
 namespace splatlas {
 namespace {
@@ -68,10 +70,12 @@ TEST_F(PreprocessOutput, NoOutputIsTheAtlas) {
 TEST_F(PreprocessOutput, StrictTellsTheWarningOnce) {
   write_bytes(folder_.file("one.txt"), "1 Ball\n");
   const std::string labels = phantom_folder().file("labels.nrrd"), told = "1 label has no name";
-  const ProgramResult result = run_preprocess(
-      {"build", "--strict", "--labels", labels, "--names", "one.txt", "-o", "x.atlas", "--progress", "none"},
-      folder_.path());
+  const ProgramResult result =
+      run_preprocess({"build", "--strict", "--labels", labels, "--names", "one.txt", "-o", "x.atlas",
+                      "--json", "x.json", "--report", "x.html", "--progress", "none"},
+                     folder_.path());
   EXPECT_EQ(result.status, 1);
+  EXPECT_THAT(folder_.names(), ElementsAre("a.atlas", "one.txt"));
   EXPECT_THAT(result.err, HasSubstr("splatlas-preprocess: --strict: " + told));
   EXPECT_EQ(result.err.find(told), result.err.rfind(told));
 }
@@ -102,6 +106,19 @@ TEST_F(PreprocessOutput, UnwritableOutputsAreReportedBeforeAnythingIsWritten) {
   refuses({"--labels", "l.nii.gz", "--volume", "v.mha", "--surface", "Sphere 1=full/file/s.stl"}, 1,
           "there is no folder");
   refuses({"--labels", "full/", "--volume", "v.mha"}, 1, "not an empty folder");
+}
+
+TEST_F(PreprocessOutput, AFailureLeavesNoFile) {
+  constexpr StructureIndex kLevels = 60;  // of two groups each, with 2^60 paths
+  TestVolume volume;
+  volume.grid.size = {2, 2, 2};
+  for (StructureIndex n = 0; n < 2 * kLevels; ++n) {
+    volume.structures.push_back({"s" + std::to_string(n), {}});
+    if (n >= 2) volume.structures.back().parents = {n / 2 * 2 - 2, n / 2 * 2 - 1};
+  }
+  volume.structures.back().mask = box_mask(volume.grid.size, {0, 0, 0}, {0, 0, 0});
+  write_bytes(folder_.file("a.atlas"), value_or_throw(encode_atlas(make_content(volume))));
+  refuses({"--names", "n.csv", "--tree", "t.txt", "--labels", "masks/"}, 1, "t.txt: 2.306e+18 paths");
 }
 
 /// Damaged values do not keep labels and surfaces from being written.

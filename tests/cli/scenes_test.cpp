@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/cli/hostile_atlas.h"
 #include "tests/cli/programs.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/temporary_folder.h"
@@ -107,6 +108,21 @@ TEST_F(Scenes, TellWhatIsWrong) {
   ASSERT_EQ(build({}).status, 0);
   EXPECT_THAT(render({"-o", "x.png", "--scene", "A"}).err,
               HasSubstr("no scenes; build it with --scene FILE.toml"));
+}
+
+/// Also of a scene that the user names: the file is at fault.
+TEST_F(Scenes, FaultyOnesAreFaultsOfTheAtlas) {
+  AtlasContent content = hostile_content({"a"}, {"a"});
+  content.scenes = {{"syntax", "", "a +"}, {"name", "", "nobody"}};
+  content.scenes.push_back({.name = "cut", .caption = "", .selection = "*", .cuts = "left"});
+  content.scenes.push_back({.name = "center", .caption = "", .selection = "*", .center = "nobody"});
+  write_bytes(folder.file("bad.atlas"), value_or_throw(encode_atlas(content)));
+  for (const std::string name : {"syntax", "name", "cut", "center"}) {
+    const ProgramResult result =
+        run_player({"render", "bad.atlas", "-o", "x.png", "--scene", name}, folder.path());
+    EXPECT_EQ(result.status, 3) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("bad.atlas: scene \"" + name + "\": "));
+  }
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "preprocess/build/build_atlas.h"
 #include "preprocess/export/export_atlas.h"
 #include "preprocess/export/write_image.h"
+#include "tests/support/committed.h"
 #include "tests/support/run_program.h"
 
 namespace splatlas {
@@ -18,7 +19,7 @@ class BuildAtlas : public testing::Test {
  protected:
   std::string file(const std::string& name) const { return folder_.file(name); }
   std::string write(const std::string& name, const Image& image) const {
-    const Result<void> written = write_image(image, file(name));
+    const Result<void> written = committed(write_image(image, file(name)));
     EXPECT_TRUE(written) << written.error().message;
     return file(name);
   }

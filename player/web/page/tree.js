@@ -5,6 +5,7 @@ const kModeTexts = {
   off: 'hidden', surface: 'surface', ghost: 'ghost', volume: 'volume', both: 'volume and surface', mixed: 'partly shown',
 };
 const kMaxFound = 200;
+const kMaxText = 4000;
 
 /** Creates an element with attributes and children; texts among them are never markup. */
 function element(name, attributes = {}, ...children) {
@@ -14,9 +15,9 @@ function element(name, attributes = {}, ...children) {
   return made;
 }
 
-/** A name from the atlas: text, whose direction cannot reach beyond it. */
+/** A text from the atlas, whose direction cannot reach beyond it. Longer ones would block the page. */
 function nameElement(name) {
-  return element('bdi', {}, name);
+  return element('bdi', {}, name.length > kMaxText ? `${name.slice(0, kMaxText)}…` : name);
 }
 
 /** Calls the handlers {choose(index), toggle(index)}. */

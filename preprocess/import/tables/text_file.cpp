@@ -15,8 +15,6 @@
 namespace splatlas {
 namespace {
 
-constexpr std::uintmax_t kMaxTextBytes = 16u << 20;
-
 /// Lines of a text with any line endings.
 class LineReader {
  public:

@@ -12,6 +12,9 @@
 
 namespace splatlas {
 
+/// Longest text file that is read, and written.
+inline constexpr std::size_t kMaxTextBytes = 16u << 20;
+
 /// A non-blank line of a text file.
 struct TextLine {
   std::size_t number = 0;  ///< from 1

@@ -42,6 +42,7 @@ constexpr BadSurface kSurfaceRows[] = {
     {kRim, [](auto& s) { s.position_scale = 0xffffffff; }, "'rim': position scale 4294967295"},
     {kCore, [](auto& s) { s.position_scale = 3; }, "'core': fitted, with position scale 3 and 104 triangles"},
     {kCore, [](auto& s) { s.position_scale = 1; }, "'core': fitted, with position scale 1 and 104 triangles"},
+    {kCore, [](auto& s) { s.position_scale = 2; }, "'core': fitted, with position scale 2 and 104 triangles"},
     {kCore, [](auto& s) { s.position_scale = 257; },
      "'core': fitted, with position scale 257 and 104 triangles"},
     {kCore, [](auto& s) { s.triangles = 0; }, "'core': fitted, with position scale 256 and 0 triangles"},

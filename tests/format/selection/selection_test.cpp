@@ -1,9 +1,12 @@
 #include "format/content/selection.h"
 
+#include <stop_token>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "format/tasks/task_control.h"
 #include "tests/format/random_graph.h"
 
 namespace splatlas {
@@ -276,6 +279,44 @@ RC_GTEST_PROP(Selection, EveryStructureFollowsTheRules, ()) {
   RC_ASSERT(selection.has_value());
   for (StructureIndex s = 0; s < graph.size(); ++s) {
     RC_ASSERT(selection->structures[s] == fate_of(s, terms, graph));
+  }
+}
+
+/// Selections come from files: the task ends them.
+TEST(Selection, BelongsToTheTask) {
+  const auto terms = parse_selection("A + Brain/Left/A + *");
+  ASSERT_TRUE(terms);
+  std::stop_source stop;
+  stop.request_stop();
+  const TaskControl task(stop.get_token(), {});
+  EXPECT_THROW(static_cast<void>(parse_selection("A")), Cancelled);
+  EXPECT_THROW(static_cast<void>(resolve_selection({&(*terms)[0], 1}, brain())), Cancelled);
+  for (const std::string_view name : {"Brain/Left/A", "*"})
+    EXPECT_THROW(static_cast<void>(brain().find(name)), Cancelled) << name;
+}
+
+/// Long texts use an index of the names.
+TEST(Selection, FindsTheSameStructuresForManyTerms) {
+  const StructureGraph graph =
+      *StructureGraph::build({{.id = "a", .name = "Top", .label = 3},
+                              {.id = "b", .name = "A", .parents = {0}},
+                              {.id = "c", .name = "Twin", .label = 5, .parents = {1}},
+                              {.id = "d", .name = "twin", .label = 5},
+                              {.id = "e", .name = "rest", .parents = {0}},
+                              {.id = "f", .name = "star*"}});
+  for (const std::string term : {"A", "TOP", "twin", "A/Twin", "nobody", "#3", "#5", "#4", "*", "star*",
+                                 "rest", "\"rest\"", "\"#3\"", "C"}) {
+    const auto one = Selection::parse(term, graph);
+    std::string text = term;
+    for (int n = 0; n < 50; ++n) text += " + " + term;
+    auto many = Selection::parse(text, graph);
+    ASSERT_EQ(many.has_value(), one.has_value()) << term;
+    if (!one) {
+      EXPECT_EQ(many.error().message, one.error().message);
+      continue;
+    }
+    for (StructureDraw& draw : many->structures) draw.term = 0;
+    EXPECT_EQ(*many, *one) << term;
   }
 }
 

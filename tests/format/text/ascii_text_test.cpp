@@ -37,6 +37,12 @@ TEST(AsciiText, QuotesCutBetweenUtf8Characters) {
   EXPECT_EQ(in_quotes(text), '"' + std::string(79, 'x') + "...\"");
 }
 
+TEST(AsciiText, ShortenedTextsKeepWholeCharacters) {
+  EXPECT_EQ(shortened("abc", 3), "abc");
+  EXPECT_EQ(shortened("abcd", 3), "abc\xe2\x80\xa6");
+  EXPECT_EQ(shortened("ab\xc3\xb6", 3), "ab\xe2\x80\xa6");
+}
+
 TEST(AsciiText, BytesThatAreNotUtf8AreEscaped) {
   const std::string valid = "\xc3\xa4 \xe2\x82\xac \xf0\x9f\xa7\xa0 \xf4\x8f\xbf\xbd \xed\x9f\xbf";
   EXPECT_EQ(printable(valid), valid);

@@ -5,6 +5,7 @@
 
 #include "player/page/free_space.h"
 #include "player/page/place_labels.h"
+#include "player/page/wrap_text.h"
 #include "tests/player/page/label_scene.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/repetitions.h"
@@ -279,6 +280,19 @@ TEST(AnnotatePicture, DoesNothingWithoutItems) {
   const DiscScene discs({60, 40});
   const AnnotationLayer layer = annotated(discs.annotated(), {});
   EXPECT_TRUE(layer.texts.empty() && layer.lines.empty() && layer.boxes.empty());
+}
+
+/// Words of hostile files have any length.
+TEST(WrapText, MeasuresEachLetterAFewTimes) {
+  std::size_t measured = 0;
+  const auto width = [&](std::string_view text) {
+    measured += text.size();
+    return static_cast<double>(text.size());
+  };
+  const std::string word(20000, 'i');
+  EXPECT_EQ(wrap_text(word, 100, width), std::vector<std::string>(200, std::string(100, 'i')));
+  EXPECT_LT(measured, 20 * word.size());
+  EXPECT_EQ(wrap_text("\xc3\xb6\xc3\xb6\xc3\xb6", 3, width), std::vector<std::string>(3, "\xc3\xb6"));
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "preprocess/import/tables/text_file.h"
 #include "tests/preprocess/random_images.h"
 #include "tests/support/axis_orders.h"
+#include "tests/support/committed.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/fill_classes.h"
 #include "tests/support/run_program.h"
@@ -61,7 +62,7 @@ TEST(ExportLabels, WritesTheExtremeLabelsOfEachType) {
                                {VoxelType::kFloat32, 16777216},
                                {VoxelType::kFloat64, 4294967295}}) {
     const auto content = labelled_voxel(extreme.type, extreme.label);
-    const auto written = export_label_map(content, "A", folder.file("labels.nrrd"));
+    const auto written = committed(export_label_map(content, "A", folder.file("labels.nrrd")));
     ASSERT_TRUE(written) << written.error().message;
     const Image back = import_image(folder.file("labels.nrrd")).value();
     visit_voxel_type(extreme.type, [&]<typename T>(T) {
@@ -85,7 +86,7 @@ TEST(ExportLabels, RefusesLabelsThatTheTypeCannotHold) {
                                     {VoxelType::kFloat64, 9007199254740993},
                                     {VoxelType::kFloat64, std::numeric_limits<std::int64_t>::max()}}) {
     EXPECT_THAT(
-        export_label_map(labelled_voxel(type, label), "A", folder.file("labels.nrrd")),
+        committed(export_label_map(labelled_voxel(type, label), "A", folder.file("labels.nrrd"))),
         FailsWith(ErrorCode::kFailed,
                   fmt::format("A: 'One' has label {}, which {} cannot hold; export masks: --labels FOLDER/",
                               label, name_of(type))));
@@ -99,7 +100,7 @@ TEST(ExportLabels, StructuresWithoutVoxelsNeedNoPlaceInTheLabelMap) {
   content.classes.intern({{0, Part::kBoundary}, {1, Part::kBoundary}});
   content.classes.intern({{1, Part::kBoundary}});
   const TemporaryFolder folder;
-  const auto written = export_label_map(content, "A", folder.file("labels.nrrd"));
+  const auto written = committed(export_label_map(content, "A", folder.file("labels.nrrd")));
   ASSERT_TRUE(written) << written.error().message;
   EXPECT_EQ(import_image(folder.file("labels.nrrd"))->voxels.bytes,
             (std::vector{std::byte{7}, std::byte{0}, std::byte{0}}));

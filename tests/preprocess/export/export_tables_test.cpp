@@ -1,5 +1,8 @@
 #include "preprocess/export/export_tables.h"
 
+#include <algorithm>
+
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -121,10 +124,45 @@ TEST(NamesText, RefusesDialectsThatAreOnlyRead) {
               FailsWith(ErrorCode::kUsage, HasSubstr("csv, itksnap")));
 }
 
+/// Each row has a cell for each vocabulary.
+TEST(NamesText, RefusesMoreCellsThanATableHolds) {
+  std::vector<Structure> structures;
+  for (int n = 0; n < 4200; ++n) {
+    const std::string id = fmt::format("s{}", n);
+    structures.push_back({.id = id, .name = id, .label = n, .terms = {{"v" + id, "1"}}});
+  }
+  const StructureGraph graph = StructureGraph::build(std::move(structures)).value();
+  EXPECT_THAT(names_text(graph, NamesFormat::kCsv),
+              FailsWith(ErrorCode::kLimit, HasSubstr("4200 vocabularies of 4200 structures")));
+  EXPECT_TRUE(names_text(graph, NamesFormat::kBids));
+}
+
+/// Levels of two groups, each below both of the level above.
+StructureGraph ladder(StructureIndex levels) {
+  std::vector<Structure> structures;
+  for (StructureIndex n = 0; n < 2 * levels; ++n) {
+    const std::string id = fmt::format("{:03}", n);
+    structures.push_back({.id = id, .name = id});
+    if (n >= 2) structures.back().parents = {n / 2 * 2 - 2, n / 2 * 2 - 1};
+  }
+  return StructureGraph::build(std::move(structures)).value();
+}
+
+TEST(TreeText, HasALineForEachPath) {
+  const std::string text = tree_text(ladder(10)).value();
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2046);  // 2 + 4 + .. + 2^10
+}
+
+TEST(TreeText, RefusesGraphsOfTooManyPaths) {
+  EXPECT_THAT(tree_text(ladder(18)),
+              FailsWith(ErrorCode::kLimit, HasSubstr("5.243e+05 paths of 36 structures")));
+  EXPECT_THAT(tree_text(ladder(256)), FailsWith(ErrorCode::kLimit, HasSubstr("2.316e+77 paths")));
+}
+
 TEST(TreeText, GivesTheSameGraph) {
   const TemporaryFolder folder;
   const StructureGraph graph = awkward_graph();
-  write_bytes(folder.file("tree"), tree_text(graph));
+  write_bytes(folder.file("tree"), tree_text(graph).value());
   Notes notes;
   const auto lines = read_tree(folder.file("tree"), notes);
   ASSERT_TRUE(lines) << lines.error().message;

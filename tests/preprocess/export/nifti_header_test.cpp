@@ -8,6 +8,7 @@
 #include "preprocess/export/write_image.h"
 #include "tests/preprocess/itk_volumes.h"
 #include "tests/preprocess/random_images.h"
+#include "tests/support/committed.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
@@ -25,7 +26,7 @@ TEST(NiftiHeader, EqualsItks) {
       for (const VoxelType type : {kVoxelTypes[random() % 8], kVoxelTypes[random() % 8]}) {
         const Image image = random_volume(grid, type, random);
         for (const std::string ending : {".nii", ".nii.gz"}) {
-          ASSERT_EQ(message_of(write_image(image, folder.file("ours" + ending))), "");
+          ASSERT_EQ(message_of(committed(write_image(image, folder.file("ours" + ending)))), "");
           write_by_itk(image, folder.file("itk" + ending));
           ASSERT_EQ(read_bytes(folder.file("ours" + ending)), read_bytes(folder.file("itk" + ending)))
               << name_of(type) << " at " << angle << ending;
@@ -92,7 +93,7 @@ RC_GTEST_PROP(WriteImageProperty, RandomVolumesComeBack, ()) {
   const Image image = random_volume(grid, *rc::gen::elementOf(kVoxelTypes), random);
   const TemporaryFolder folder;
   const std::string path = folder.file("v" + *rc::gen::element<std::string>(".nrrd", ".mha"));
-  RC_ASSERT(message_of(write_image(image, path)) == "");
+  RC_ASSERT(message_of(committed(write_image(image, path))) == "");
   const Result<Image> back = import_image(path);
   RC_ASSERT(message_of(back) == "");
   RC_ASSERT(back->voxels == image.voxels);

@@ -7,6 +7,7 @@
 
 #include "tests/preprocess/itk_volumes.h"
 #include "tests/preprocess/random_images.h"
+#include "tests/support/committed.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
@@ -63,7 +64,7 @@ TEST(WriteImage, ItkReadsTheSameVoxelsAndGrid) {
         const VoxelType type = kVoxelTypes[(n + t) % kVoxelTypes.size()];
         const Image image = random_volume(grid, type, random);
         const std::string path = folder.file("v" + ending);
-        const Result<void> written = write_image(image, path);
+        const Result<void> written = committed(write_image(image, path));
         ASSERT_TRUE(written) << written.error().message;
         for (const Image& back : {read_by_itk(path), *import_image(path)}) {
           ASSERT_EQ(back.voxels, image.voxels) << ending << " " << name_of(type);
@@ -88,7 +89,7 @@ TEST(WriteImage, CompressedVoxelsOfSeveralPieces) {
     const TemporaryFolder folder;
     const std::string path = folder.file("v" + ending);
     for (const Image* image : {&noise, &empty}) {
-      ASSERT_TRUE(write_image(*image, path));
+      ASSERT_TRUE(committed(write_image(*image, path)));
       EXPECT_EQ(read_by_itk(path).voxels, image->voxels) << ending;
       EXPECT_EQ(import_image(path)->voxels, image->voxels) << ending;
     }
@@ -106,7 +107,7 @@ TEST(WriteImage, KeepsNanAndInfinitiesBitByBit) {
     Image image = zeros({.size = {2, 2, 2}}, type);
     std::memcpy(image.voxels.bytes.data(), values.data(), sizeof(values));
     for (const std::string& ending : kEndings) {
-      ASSERT_TRUE(write_image(image, folder.file("v" + ending)));
+      ASSERT_TRUE(committed(write_image(image, folder.file("v" + ending))));
       EXPECT_EQ(import_image(folder.file("v" + ending))->voxels, image.voxels) << ending;
     }
   };
@@ -118,7 +119,7 @@ TEST(WriteImage, KeepsNanAndInfinitiesBitByBit) {
 void refuses(const Grid& grid, const std::string& ending, const std::string& text) {
   const TemporaryFolder folder;
   const std::string path = folder.file("v" + ending);
-  EXPECT_THAT(write_image(zeros(grid, VoxelType::kUInt8), path),
+  EXPECT_THAT(committed(write_image(zeros(grid, VoxelType::kUInt8), path)),
               FailsWith(ErrorCode::kFailed, AllOf(HasSubstr(path + ": "), HasSubstr(text))));
   EXPECT_THAT(folder.names(), IsEmpty());
 }
@@ -132,7 +133,7 @@ void fits_doubles_only(const Grid& grid) {
     }
     const TemporaryFolder folder;
     const std::string path = folder.file("v" + ending);
-    EXPECT_EQ(message_of(write_image(zeros(grid, VoxelType::kUInt8), path)), "");
+    EXPECT_EQ(message_of(committed(write_image(zeros(grid, VoxelType::kUInt8), path))), "");
     EXPECT_EQ(message_of(check_same_grid(grid, "written", import_image(path)->grid, "read")), "") << ending;
   }
 }
@@ -165,7 +166,7 @@ TEST(WriteImage, RefusesCoordinatesThatCannotBeReadBack) {
   for (const std::string& ending : kEndings) {
     const TemporaryFolder folder;
     const std::string path = folder.file("v" + ending);
-    EXPECT_EQ(message_of(write_image(zeros(far, VoxelType::kUInt8), path)), "");
+    EXPECT_EQ(message_of(committed(write_image(zeros(far, VoxelType::kUInt8), path))), "");
     EXPECT_EQ(message_of(check_same_grid(far, "written", import_image(path)->grid, "read")), "") << ending;
   }
 }
@@ -179,7 +180,7 @@ TEST(WriteImage, TinyCoordinatesAreZeros) {
   for (const std::string& ending : kEndings) {
     const TemporaryFolder folder;
     const std::string path = folder.file("v" + ending);
-    EXPECT_EQ(message_of(write_image(zeros(grid, VoxelType::kUInt8), path)), "");
+    EXPECT_EQ(message_of(committed(write_image(zeros(grid, VoxelType::kUInt8), path))), "");
     const Result<Image> back = import_image(path);
     ASSERT_TRUE(back) << back.error().message;
     EXPECT_EQ(back->grid.direction_lps, Grid{}.direction_lps);
@@ -201,7 +202,7 @@ TEST(WriteImage, NiftiHasAtMost32767VoxelsAlongAnAxis) {
       }
       const TemporaryFolder folder;
       const std::string path = folder.file("v" + ending);
-      EXPECT_EQ(message_of(write_image(zeros(grid, VoxelType::kUInt8), path)), "");
+      EXPECT_EQ(message_of(committed(write_image(zeros(grid, VoxelType::kUInt8), path))), "");
       EXPECT_EQ(import_image(path)->grid.size, grid.size);
     }
   }

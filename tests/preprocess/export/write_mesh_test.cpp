@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 
 #include "format/tasks/task_control.h"
+#include "tests/support/committed.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/temporary_folder.h"
 
@@ -64,7 +65,7 @@ Result<void> write_far_away(double origin_mm, double spacing_mm, const std::file
   const Grid grid{.size = {2, 2, 2},
                   .spacing_mm = {spacing_mm, spacing_mm, spacing_mm},
                   .origin_lps_mm = {0, -origin_mm, 7}};
-  return write_mesh({&mesh, 1}, grid, path);
+  return committed(write_mesh({&mesh, 1}, grid, path));
 }
 
 TEST(WriteMesh, EndsWithItsTask) {

@@ -168,6 +168,7 @@ Result<SourceImage> read_tiff(const fs::path& path) {
       return bad_file(path, "has pages of several sizes or types; save each volume as a file of its own");
     image.grid.size = {page.columns, page.rows, image.grid.size[2] + 1};
     SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t all, payload_bytes(path, image.grid.size, page.bytes_each));
+    SPLATLAS_RETURN_IF_ERROR(check_image_memory(path, all));
     const std::size_t before = bytes.size();
     bytes.resize(all);
     if (!read_pixels(tiff.get(), page, &bytes[before]))
@@ -240,6 +241,7 @@ Result<SourceImage> read_png(const fs::path& file) {
   image.voxels.type = voxel_type_of(io->GetComponentType());
   SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t bytes,
                             payload_bytes(file, image.grid.size, bytes_of(image.voxels.type)));
+  SPLATLAS_RETURN_IF_ERROR(check_image_memory(file, bytes));
   image.voxels.bytes.resize(bytes);
   itk::ImageIORegion region(2);
   for (unsigned a = 0; a < 2; ++a) region.SetSize(a, io->GetDimensions(a));
@@ -264,7 +266,9 @@ Result<void> add_picture(const fs::path& file, SourceImage& image) {
                     name_of(image.voxels.type));
   }
   image.grid.size[2] += next.grid.size[2];
-  SPLATLAS_RETURN_IF_ERROR(payload_bytes(file, image.grid.size, bytes_of(image.voxels.type)));
+  SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t bytes,
+                            payload_bytes(file, image.grid.size, bytes_of(image.voxels.type)));
+  SPLATLAS_RETURN_IF_ERROR(check_image_memory(file, bytes));
   image.voxels.bytes.insert(image.voxels.bytes.end(), next.voxels.bytes.begin(), next.voxels.bytes.end());
   return {};
 }

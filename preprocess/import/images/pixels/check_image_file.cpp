@@ -1,6 +1,7 @@
 #include "preprocess/import/images/pixels/check_image_file.h"
 
 #include "format/content/grid.h"
+#include "format/io/memory_limit.h"
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
 #include "preprocess/import/import_error.h"
@@ -30,6 +31,14 @@ Result<std::uint64_t> payload_bytes(const fs::path& path, std::span<const std::i
   return static_cast<std::uint64_t>(voxels) * bytes_per_voxel;
 }
 
+Result<void> check_image_memory(const fs::path& path, std::uint64_t bytes) {
+  const std::uint64_t most = machine_memory() / 3 * 2;
+  if (bytes <= most) return {};
+  return fail(ErrorCode::kLimit,
+              "{}: has {} MiB of pixels, and its reader may hold {} MiB; crop or downsample it",
+              path.string(), bytes >> 20, most >> 20);
+}
+
 Result<void> check_raw_payload(const fs::path& path, std::uint64_t offset, std::uint64_t needed,
                                std::uint64_t expected) {
   std::error_code error;
@@ -37,7 +46,7 @@ Result<void> check_raw_payload(const fs::path& path, std::uint64_t offset, std::
   if (error) return bad_file(path, "{}", error.message());
   const std::uint64_t found = size > offset ? size - offset : 0;
   if (found < needed) return truncated_file(path, expected, found);
-  return {};
+  return check_image_memory(path, expected);
 }
 
 tl::unexpected<Error> truncated_file(const fs::path& path, std::uint64_t expected, std::uint64_t found) {

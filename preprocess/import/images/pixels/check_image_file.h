@@ -67,8 +67,11 @@ inline constexpr std::uint64_t kMaxSurplus = 16u << 20;
 [[nodiscard]] Result<std::uint64_t> payload_bytes(const std::filesystem::path& path,
                                                   std::span<const std::int64_t> sizes,
                                                   std::uint64_t bytes_per_voxel);
+/// kLimit if the bytes of an image's pixels take more than two thirds of this process's memory. A child has
+/// half of the machine's; its answer is another copy.
+[[nodiscard]] Result<void> check_image_memory(const std::filesystem::path& path, std::uint64_t bytes);
 /// kFailed if a file holds less than `needed` bytes from `offset` on. The message states `expected`, the
-/// number of decompressed bytes of pixels.
+/// number of decompressed bytes of pixels. Then check_image_memory() of these.
 [[nodiscard]] Result<void> check_raw_payload(const std::filesystem::path& path, std::uint64_t offset,
                                              std::uint64_t needed, std::uint64_t expected);
 

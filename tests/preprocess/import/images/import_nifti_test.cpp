@@ -135,5 +135,20 @@ TEST_F(ImportImage, KeepsTheShearOfAnSform) {
   EXPECT_EQ(grid.direction_lps[4], -1);
 }
 
+/// 2^40 bytes in a file whose length would allow them.
+TEST_F(ImportImage, RefusesMoreVoxelsThanTheMemoryHolds) {
+  std::string header = with_number<std::int16_t>(nifti_header(), 70, 64);  // doubles
+  header = with_number<std::int16_t>(header, 72, 64);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    header = with_number<std::int16_t>(header, 42 + 2 * axis, axis == 2 ? 512 : 16384);
+  const std::string path = folder_.file("a.nii.gz");
+  write_bytes(path, deflated(header, true));
+  std::filesystem::resize_file(path, std::uintmax_t{1} << 30);
+  const Result<Image> image = import_image_here(path);
+  ASSERT_FALSE(image);
+  EXPECT_EQ(image.error().code, ErrorCode::kLimit);
+  EXPECT_THAT(image.error().message, testing::HasSubstr("a.nii.gz: has 1048576 MiB of pixels"));
+}
+
 }  // namespace
 }  // namespace splatlas

@@ -11,6 +11,7 @@
 #include "tests/preprocess/messages_of_notes.h"
 #include "tests/preprocess/random_images.h"
 #include "tests/preprocess/raw_image_files.h"
+#include "tests/support/committed.h"
 #include "tests/support/run_program.h"
 
 namespace splatlas {
@@ -167,15 +168,18 @@ TEST(ImportLabels, RecognisesGreyValues) {
 TEST(ImportMasks, RefusesFoldersThatAreNoMasks) {
   const TemporaryFolder folder;
   EXPECT_THAT(import_mask_folder(folder.path()).error().message, HasSubstr("holds no mask"));
-  ASSERT_TRUE(write_image(row<std::uint8_t>(VoxelType::kUInt8, {0, 1}), folder.file("liver.nii.gz")));
-  ASSERT_TRUE(write_image(row<std::uint8_t>(VoxelType::kUInt8, {0, 1}), folder.file("liver.nrrd")));
+  ASSERT_TRUE(
+      committed(write_image(row<std::uint8_t>(VoxelType::kUInt8, {0, 1}), folder.file("liver.nii.gz"))));
+  ASSERT_TRUE(
+      committed(write_image(row<std::uint8_t>(VoxelType::kUInt8, {0, 1}), folder.file("liver.nrrd"))));
   EXPECT_THAT(import_mask_folder(folder.path()).error().message, HasSubstr("same structure"));
   std::filesystem::rename(folder.file("liver.nrrd"), folder.file("LIVER.nrrd"));
   EXPECT_THAT(import_mask_folder(folder.path()).error().message, HasSubstr("same structure"));
   std::filesystem::rename(folder.file("LIVER.nrrd"), folder.file("li\tver.nrrd"));
   EXPECT_THAT(import_mask_folder(folder.path()).error().message, HasSubstr("a tab"));
   std::filesystem::remove(folder.file("li\tver.nrrd"));
-  ASSERT_TRUE(write_image(row<std::uint8_t>(VoxelType::kUInt8, {0, 1, 1}), folder.file("spleen.nrrd")));
+  ASSERT_TRUE(
+      committed(write_image(row<std::uint8_t>(VoxelType::kUInt8, {0, 1, 1}), folder.file("spleen.nrrd"))));
   const auto resampled = import_mask_folder(folder.path());
   ASSERT_TRUE(resampled) << resampled.error().message;
   ASSERT_EQ(resampled->resampled.size(), 1u);
@@ -186,15 +190,16 @@ TEST(ImportMasks, RefusesFoldersThatAreNoMasks) {
 
 TEST(ImportMasks, WhatIsNotZeroIsInside) {
   const TemporaryFolder folder;
-  ASSERT_TRUE(write_image(row<float>(VoxelType::kFloat32, {0, 1, 0.5f, 255}), folder.file("liver.nrrd")));
+  ASSERT_TRUE(
+      committed(write_image(row<float>(VoxelType::kFloat32, {0, 1, 0.5f, 255}), folder.file("liver.nrrd"))));
   const auto masks = import_mask_folder(folder.path());
   ASSERT_TRUE(masks) << masks.error().message;
   EXPECT_EQ(holder(*masks, 0), -1);
   for (std::size_t v = 1; v < 4; ++v) EXPECT_EQ(holder(*masks, v), 0);
   EXPECT_THAT(messages_of(masks->notes),
               testing::ElementsAre("1 mask has several values; all but 0 are inside: liver"));
-  ASSERT_TRUE(
-      write_image(row<float>(VoxelType::kFloat32, {0, 255, std::nanf(""), 255}), folder.file("liver.nrrd")));
+  ASSERT_TRUE(committed(
+      write_image(row<float>(VoxelType::kFloat32, {0, 255, std::nanf(""), 255}), folder.file("liver.nrrd"))));
   EXPECT_TRUE(import_mask_folder(folder.path())->notes.empty());
   EXPECT_EQ(mask_of(row<float>(VoxelType::kFloat32, {std::nanf(""), 1}).voxels),
             (std::vector<std::uint8_t>{0, 1}));

@@ -9,6 +9,7 @@
 #include "preprocess/export/write_mesh.h"
 #include "tests/preprocess/random_images.h"
 #include "tests/preprocess/raw_image_files.h"
+#include "tests/support/committed.h"
 #include "tests/support/run_program.h"
 
 namespace splatlas {
@@ -70,7 +71,8 @@ TEST_F(ImportMesh, ReadsWhatItWrites) {
   surface.triangles = {{0, 1, 2}, {1, 2, 3}, {0, 3, 1}};
   for (const std::string name : {"a.stl", "a.ply", "a.obj", "a.vtk"}) {
     SCOPED_TRACE(name);
-    const Result<void> written = write_mesh(std::vector{surface, surface}, grid, folder_.file(name));
+    const Result<void> written =
+        committed(write_mesh(std::vector{surface, surface}, grid, folder_.file(name)));
     ASSERT_TRUE(written) << written.error().message;
     const auto back = import_mesh(folder_.file(name), MeshFrame::kLps);
     ASSERT_TRUE(back) << back.error().message;
@@ -198,7 +200,7 @@ TEST_F(ImportMesh, NoTruncationBringsItDown) {
   surface.normals_lps.resize(4, {0, 0, 1});
   surface.triangles = {{0, 1, 2}, {1, 2, 3}};
   for (const std::string name : {"a.stl", "a.ply", "a.vtk"}) {
-    ASSERT_TRUE(write_mesh(std::span(&surface, 1), awkward_grid(0), folder_.file(name)));
+    ASSERT_TRUE(committed(write_mesh(std::span(&surface, 1), awkward_grid(0), folder_.file(name))));
     const std::string bytes = read_bytes(folder_.file(name));
     for (std::size_t length = 0; length < bytes.size(); ++length) {
       const auto mesh = import_bytes(name, bytes.substr(0, length));

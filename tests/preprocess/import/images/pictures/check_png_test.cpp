@@ -29,9 +29,9 @@ std::string chunk(const std::string& type, const std::string& data) {
 }
 
 const std::string kSignature = "\x89PNG\r\n\x1a\n";
-/// Of 3 x 2 grey pixels of 8 bits.
-std::string header_chunk() {
-  return chunk("IHDR", big_endian_bytes(3) + big_endian_bytes(2) + std::string("\x8\0\0\0\0", 5));
+/// Of grey pixels of 8 bits.
+std::string header_chunk(std::uint32_t columns = 3, std::uint32_t rows = 2) {
+  return chunk("IHDR", big_endian_bytes(columns) + big_endian_bytes(rows) + std::string("\x8\0\0\0\0", 5));
 }
 std::string pixel_chunk() {
   return chunk("IDAT", deflated(std::string("\0\1\2\3\0\4\5\6", 8), false));
@@ -65,6 +65,8 @@ TEST_F(ImportImage, PngFilesAreCheckedBeforeLibpngReadsThem) {
   }
   EXPECT_THAT(refusal(kSignature + header_chunk() + chunk("IEND", "")), HasSubstr("holds no pixels"));
   EXPECT_THAT(refusal(kSignature + pixel_chunk()), HasSubstr("does not begin as a PNG file"));
+  EXPECT_THAT(refusal(kSignature + header_chunk(999999, 999999) + pixel_chunk() + chunk("IEND", "")),
+              HasSubstr("a.png: has 953672 MiB of pixels, and its reader may hold"));
 }
 
 }  // namespace

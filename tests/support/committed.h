@@ -1,0 +1,14 @@
+// Names files of writers that leave them unnamed.
+#pragma once
+
+#include "format/io/output_file.h"
+
+namespace splatlas {
+
+/// The result of commit(), or the error before it.
+inline Result<void> committed(Result<OutputFile> file) {
+  if (file) return file->commit();
+  return tl::unexpected(file.error());
+}
+
+}  // namespace splatlas
