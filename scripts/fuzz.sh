@@ -23,10 +23,8 @@ build() {
 }
 
 all_targets() {
-  local program
-  for program in build/fuzz/bin/fuzz-*; do
-    [[ $program == */fuzz-seeds ]] || printf '%s\n' "${program##*/fuzz-}"
-  done
+  local source
+  for source in tests/fuzz/*_fuzzer.cpp; do basename "$source" _fuzzer.cpp; done
 }
 
 # Keep scratch files of the targets in memory, if possible.
@@ -40,8 +38,8 @@ fuzz() {
   [[ ! -d tests/fuzz/corpus/$target ]] || inputs+=("tests/fuzz/corpus/$target")
   [[ ! -d $folder/seeds/$target ]] || inputs+=("$folder/seeds/$target")
   [[ ! -f tests/fuzz/$target.dict ]] || options+=("-dict=tests/fuzz/$target.dict")
-  ASAN_OPTIONS=quarantine_size_mb=16:allocator_may_return_null=0 \
-    "build/fuzz/bin/fuzz-$target" -max_total_time="$seconds" -timeout=60 -rss_limit_mb=1024 -max_len=8192 -entropic=0 \
+  FUZZ_TARGET=$target ASAN_OPTIONS=quarantine_size_mb=16:allocator_may_return_null=0 \
+    build/fuzz/bin/fuzz -max_total_time="$seconds" -timeout=60 -rss_limit_mb=1024 -max_len=8192 -entropic=0 \
     -print_final_stats=1 -artifact_prefix="$folder/findings/$target-" "${options[@]}" "${inputs[@]}" \
     >"$folder/$target.log" 2>&1
 }

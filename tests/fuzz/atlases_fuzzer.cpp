@@ -14,7 +14,7 @@
 #include "format/file/file_layout.h"
 #include "player/renderer.h"
 #include "tests/fuzz/cost_limit.h"
-#include "tests/fuzz/fuzz_input.h"
+#include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/require.h"
 #include "tests/support/render_with.h"
 
@@ -150,14 +150,7 @@ void check_rewriting(const AtlasContent& content) {
           "an atlas is another one when written again");
 }
 
-}  // namespace
-
-/// Each of verify(), two pictures and read_all() may take kLimit, and writing again and opening as much.
-InputLimit input_limit() {
-  return {.floor = {8, 96 << 20}, .per_byte = {50e-6, 4096}};
-}
-
-void fuzz(FuzzInput input) {
+void fuzz_atlases(FuzzInput input) {
   const auto file = input.rest();
   std::uint32_t reserved = 0;
   if (file.size() >= sizeof(FileHeader))
@@ -175,4 +168,8 @@ void fuzz(FuzzInput input) {
   if (content && sound) check_rewriting(*content);
 }
 
+/// Each of verify(), two pictures and read_all() may take kLimit, and writing again and opening as much.
+const FuzzTarget kAtlases("atlases", fuzz_atlases, InputLimit{.floor = {8, 96 << 20}, .per_byte = {50e-6, 4096}});
+
+}  // namespace
 }  // namespace splatlas

@@ -6,7 +6,7 @@
 
 #include "format/codec/chunk_codec.h"
 #include "format/io/checksum.h"
-#include "tests/fuzz/fuzz_input.h"
+#include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/require.h"
 
 namespace splatlas {
@@ -25,9 +25,7 @@ void check_round_trip(std::span<const std::byte> content, int level, ChunkConten
   require(!decode_chunk(chunk.bytes, chunk.entry, decoded).has_value(), "a flipped bit is not seen");
 }
 
-}  // namespace
-
-void fuzz(FuzzInput input) {
+void fuzz_chunks(FuzzInput input) {
   const auto choices = input.number<std::uint8_t>();
   std::vector<std::byte> decoded(input.number<std::uint16_t>());
   const int level = 1 + static_cast<int>(input.below(12));
@@ -43,4 +41,7 @@ void fuzz(FuzzInput input) {
   check_round_trip(decoded, level, kind);
 }
 
+const FuzzTarget kChunks("chunks", fuzz_chunks);
+
+}  // namespace
 }  // namespace splatlas

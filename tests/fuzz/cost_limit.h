@@ -22,9 +22,6 @@ struct InputLimit {
   }
 };
 
-/// Limit of every input of this target. fuzz_entry.cpp has a default; targets that need another define it.
-[[nodiscard]] InputLimit input_limit();
-
 /// A finding if CPU time, or heap held beyond that at construction, exceeds the limit before destruction.
 /// Heap is counted with sanitizers only. Limits nest; not thread-safe. `what` names the operation.
 class CostLimit {

@@ -5,7 +5,7 @@
 
 #include "format/file/directory.h"
 #include "format/file/file_layout.h"
-#include "tests/fuzz/fuzz_input.h"
+#include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/require.h"
 
 namespace splatlas {
@@ -34,9 +34,7 @@ void check_rewriting(const Directory& directory) {
   require(validate(again).has_value(), "a sound directory is not sound when read again");
 }
 
-}  // namespace
-
-void fuzz(FuzzInput input) {
+void fuzz_directories(FuzzInput input) {
   const auto rest = input.rest();
   const std::vector<std::byte> bytes(rest.begin(), rest.end());  // aligned
   const auto directory = decode_directory(bytes);
@@ -47,4 +45,7 @@ void fuzz(FuzzInput input) {
   check_rewriting(*directory);
 }
 
+const FuzzTarget kDirectories("directories", fuzz_directories);
+
+}  // namespace
 }  // namespace splatlas

@@ -53,7 +53,4 @@ class FuzzInput {
   std::span<const std::byte> bytes_;
 };
 
-/// The target of this program. Aborts on a finding.
-void fuzz(FuzzInput input);
-
 }  // namespace splatlas

@@ -10,7 +10,7 @@
 #include "preprocess/import/images/pixels/check_image_file.h"
 #include "preprocess/import/images/pixels/read_deflated.h"
 #include "preprocess/import/images/read_mgh.h"
-#include "tests/fuzz/fuzz_input.h"
+#include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/require.h"
 #include "tests/fuzz/scratch_file.h"
 
@@ -40,9 +40,7 @@ Result<void> check_image_file(const std::filesystem::path& path) {
   return {};
 }
 
-}  // namespace
-
-void fuzz(FuzzInput input) {
+void fuzz_image_headers(FuzzInput input) {
   static const std::array<std::string, 8> kNames{"image.mgh",  "image.mgz",  "image.nii", "image.nii.gz",
                                                  "image.nrrd", "image.nhdr", "image.mha", "image.mhd"};
   const auto path = write_input_file(kNames[input.below(kNames.size())], input.rest());
@@ -50,4 +48,7 @@ void fuzz(FuzzInput input) {
   if (!sound) require_error(sound.error(), {ErrorCode::kFailed});
 }
 
+const FuzzTarget kImageHeaders("image_headers", fuzz_image_headers);
+
+}  // namespace
 }  // namespace splatlas

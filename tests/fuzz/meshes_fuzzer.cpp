@@ -6,7 +6,7 @@
 #include <string>
 
 #include "preprocess/import/meshes/import_mesh.h"
-#include "tests/fuzz/fuzz_input.h"
+#include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/require.h"
 #include "tests/fuzz/scratch_file.h"
 
@@ -28,9 +28,7 @@ void check_mesh(const TriangleMesh& mesh) {
   }
 }
 
-}  // namespace
-
-void fuzz(FuzzInput input) {
+void fuzz_meshes(FuzzInput input) {
   static const std::array<std::string, 4> kNames{"mesh.stl", "mesh.obj", "mesh.ply", "mesh.gii"};
   const auto choices = input.number<std::uint8_t>();
   const auto path = write_input_file(kNames[choices % 4], input.rest());
@@ -39,4 +37,7 @@ void fuzz(FuzzInput input) {
   check_mesh(*mesh);
 }
 
+const FuzzTarget kMeshes("meshes", fuzz_meshes);
+
+}  // namespace
 }  // namespace splatlas

@@ -8,7 +8,7 @@
 #include "preprocess/import/tables/names/read_names.h"
 #include "preprocess/import/tables/text_file.h"
 #include "preprocess/structures/build_graph.h"
-#include "tests/fuzz/fuzz_input.h"
+#include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/require.h"
 #include "tests/fuzz/scratch_file.h"
 
@@ -49,9 +49,7 @@ void check_placed(const PlacedStructures& placed, const std::vector<SourceStruct
   }
 }
 
-}  // namespace
-
-void fuzz(FuzzInput input) {
+void fuzz_names_and_trees(FuzzInput input) {
   const std::string_view text = input.rest_as_text();
   constexpr std::string_view kSeparator = "\n----\n";
   const std::size_t end = text.find(kSeparator);
@@ -66,4 +64,7 @@ void fuzz(FuzzInput input) {
   check_placed(*placed, *sources);
 }
 
+const FuzzTarget kNamesAndTrees("names_and_trees", fuzz_names_and_trees);
+
+}  // namespace
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-// Replays files and folders through a fuzz target, without libFuzzer: its corpus as a test.
+// Replays files and folders through a fuzz target, without libFuzzer: fuzz-replay TARGET FILE|FOLDER...
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+#include "tests/fuzz/fuzz_target.h"
 
 namespace {
 
@@ -28,8 +28,13 @@ std::vector<fs::path> files_of(const fs::path& path) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  const splatlas::FuzzTarget* const target = splatlas::find_target(argc > 1 ? argv[1] : "");
+  if (target == nullptr) {
+    fmt::print(stderr, "usage: fuzz-replay TARGET FILE|FOLDER...; a target is a NAME of tests/fuzz/NAME_fuzzer.cpp\n");
+    return 2;
+  }
   std::size_t count = 0;
-  for (int n = 1; n < argc; ++n) {
+  for (int n = 2; n < argc; ++n) {
     for (const fs::path& path : files_of(argv[n])) {
       std::ifstream file(path, std::ios::binary);
       if (!file) {
@@ -41,7 +46,7 @@ int main(int argc, char** argv) {
       const std::vector<std::uint8_t> input(bytes.begin(), bytes.end());
       fmt::print("{}\n", path.string());
       std::fflush(stdout);
-      LLVMFuzzerTestOneInput(input.data(), input.size());
+      target->run(input.data(), input.size());
       ++count;
     }
   }

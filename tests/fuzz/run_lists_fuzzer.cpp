@@ -9,7 +9,7 @@
 #include "format/content/run_model.h"
 #include "format/derive/boundary_split.h"
 #include "format/derive/run_fingerprint.h"
-#include "tests/fuzz/fuzz_input.h"
+#include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/require.h"
 #include "tests/support/neighbours.h"
 
@@ -76,9 +76,7 @@ std::vector<ClassId> mask_of(std::span<const std::byte> bits, std::size_t voxels
   return mask;
 }
 
-}  // namespace
-
-void fuzz(FuzzInput input) {
+void fuzz_run_lists(FuzzInput input) {
   Index3 size{};
   for (std::int64_t& n : size) n = 1 + static_cast<std::int64_t>(input.below(kMaxVoxelsASide));
   const auto choices = input.number<std::uint8_t>();
@@ -113,4 +111,7 @@ void fuzz(FuzzInput input) {
   check_valid_runs(runs, size, axis);
 }
 
+const FuzzTarget kRunLists("run_lists", fuzz_run_lists);
+
+}  // namespace
 }  // namespace splatlas

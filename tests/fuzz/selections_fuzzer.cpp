@@ -6,7 +6,7 @@
 #include "format/content/decision_tree.h"
 #include "format/content/selection.h"
 #include "format/content/transfer_curve.h"
-#include "tests/fuzz/fuzz_input.h"
+#include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/require.h"
 
 namespace splatlas {
@@ -67,9 +67,7 @@ bool have_same_appearance(Selection a, const Selection& b) {
   return a == b;
 }
 
-}  // namespace
-
-void fuzz(FuzzInput input) {
+void fuzz_selections(FuzzInput input) {
   static const StructureGraph graph = make_graph();
   static const ClassTable classes = make_classes();
   static const DecisionTree tree(graph, classes);
@@ -88,4 +86,7 @@ void fuzz(FuzzInput input) {
           "a selection's text selects another one");
 }
 
+const FuzzTarget kSelections("selections", fuzz_selections);
+
+}  // namespace
 }  // namespace splatlas

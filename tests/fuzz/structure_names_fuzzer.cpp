@@ -8,7 +8,7 @@
 
 #include "format/content/selection.h"
 #include "tests/fuzz/cost_limit.h"
-#include "tests/fuzz/fuzz_input.h"
+#include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/require.h"
 #include "tests/support/find_slowly.h"
 
@@ -33,15 +33,7 @@ StructureGraph read_graph(FuzzInput& input) {
   return require_value(StructureGraph::build(std::move(structures)));
 }
 
-}  // namespace
-
-/// Enumerating the matches of up to six "*" in 20 letters on all paths takes up to half a second.
-/// StructureGraph::find() has a limit of its own.
-InputLimit input_limit() {
-  return {.floor = {2, 8 << 20}, .per_byte = {}};
-}
-
-void fuzz(FuzzInput input) {
+void fuzz_structure_names(FuzzInput input) {
   const StructureGraph graph = read_graph(input);
   std::string sought;
   const bool of_letters = input.below(3) != 0;
@@ -64,4 +56,9 @@ void fuzz(FuzzInput input) {
   }
 }
 
+/// Enumerating the matches of up to six "*" in 20 letters on all paths takes up to half a second.
+/// StructureGraph::find() has a limit of its own.
+const FuzzTarget kStructureNames("structure_names", fuzz_structure_names, InputLimit{.floor = {2, 8 << 20}, .per_byte = {}});
+
+}  // namespace
 }  // namespace splatlas

@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "format/codec/surface_codec.h"
-#include "tests/fuzz/fuzz_input.h"
+#include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/require.h"
 
 namespace splatlas {
@@ -27,9 +27,7 @@ void check_mesh(const SurfaceMesh& mesh, const SurfaceEntry& entry, const Index3
     require(std::ranges::max(triangle) < entry.vertices, "a triangle with a vertex that does not exist");
 }
 
-}  // namespace
-
-void fuzz(FuzzInput input) {
+void fuzz_surfaces(FuzzInput input) {
   Index3 size{};
   for (std::int64_t& n : size) n = 1 + std::int64_t{input.number<std::uint16_t>()};
   SurfaceEntry entry;
@@ -51,4 +49,7 @@ void fuzz(FuzzInput input) {
           "a surface decodes to another one");
 }
 
+const FuzzTarget kSurfaces("surfaces", fuzz_surfaces);
+
+}  // namespace
 }  // namespace splatlas

@@ -10,7 +10,7 @@
 #include "player/render/transfer/preintegrated_transfer.h"
 #include "player/render/transfer/transfer_table.h"
 #include "player/transfer_function.h"
-#include "tests/fuzz/fuzz_input.h"
+#include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/require.h"
 
 namespace splatlas {
@@ -60,9 +60,7 @@ void check_table(const TransferCurve& curve, VoxelType type) {
   }
 }
 
-}  // namespace
-
-void fuzz(FuzzInput input) {
+void fuzz_transfer_curves(FuzzInput input) {
   const auto choices = input.number<std::uint8_t>();
   Display display;
   display.window_low = input.number<double>();
@@ -93,4 +91,7 @@ void fuzz(FuzzInput input) {
   check_table(curve, static_cast<VoxelType>(choices >> 5));
 }
 
+const FuzzTarget kTransferCurves("transfer_curves", fuzz_transfer_curves);
+
+}  // namespace
 }  // namespace splatlas

@@ -6,7 +6,7 @@
 
 #include "format/codec/value_codec.h"
 #include "format/content/run_model.h"
-#include "tests/fuzz/fuzz_input.h"
+#include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/require.h"
 
 namespace splatlas {
@@ -52,9 +52,7 @@ void check_round_trip(const GroupVoxels& group, VoxelType type, const std::vecto
   require(require_value(decode_values(group, type, code)) == values, "values decode to others");
 }
 
-}  // namespace
-
-void fuzz(FuzzInput input) {
+void fuzz_values(FuzzInput input) {
   Index3 size{};
   for (std::int64_t& n : size) n = 1 + static_cast<std::int64_t>(input.below(kMaxVoxelsASide));
   const auto choices = input.number<std::uint8_t>();
@@ -73,4 +71,7 @@ void fuzz(FuzzInput input) {
   check_round_trip(group, type, *values);
 }
 
+const FuzzTarget kValues("values", fuzz_values);
+
+}  // namespace
 }  // namespace splatlas

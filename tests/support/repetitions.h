@@ -1,23 +1,18 @@
-// Repetitions in tests, fewer under sanitizers.
+// Repetitions in tests, by the intensity of the build.
 #pragma once
 
 #include <cstdint>
 
 namespace splatlas {
 
-#ifdef SPLATLAS_SANITIZED
-inline constexpr bool kSanitized = true;
-#else
-inline constexpr bool kSanitized = false;
-#endif
+inline constexpr bool kAllRepetitions = SPLATLAS_TEST_INTENSITY >= 3;
 
-/// Sanitizers slow tests down five to fifteen times. With them, tests take every third member of a
-/// long series, from the first on.
-inline constexpr int kEveryNth = kSanitized ? 3 : 1;
+/// Tests take every third member of a long series, from the first on, or all of them.
+inline constexpr int kEveryNth = kAllRepetitions ? 1 : 3;
 
-/// All of them, or a quarter, rounded up, under sanitizers.
+/// All of them, or a quarter, rounded up.
 [[nodiscard]] constexpr std::uint32_t repetitions(std::uint32_t all) {
-  return kSanitized ? (all + 3) / 4 : all;
+  return kAllRepetitions ? all : (all + 3) / 4;
 }
 
 }  // namespace splatlas

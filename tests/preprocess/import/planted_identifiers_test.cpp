@@ -91,7 +91,7 @@ class PlantedIdentifiers : public testing::Test {
     EXPECT_THAT(whole, HasSubstr("built\n")) << path;
     expect_clean(whole, path);
     // Text headers are short; pixels are not worth as many.
-    constexpr std::size_t kPlaces = kSanitized ? 7 : 20;
+    constexpr std::size_t kPlaces = kAllRepetitions ? 20 : 7;
     const std::size_t step = std::max<std::size_t>(std::min<std::size_t>(bytes.size(), 1500) / kPlaces, 1);
     for (std::size_t at = 0; at < std::min<std::size_t>(bytes.size(), 1500); at += step) {
       expect_variants_clean(sources, path, bytes, at);
