@@ -210,7 +210,6 @@ Result<void> add_drafts(const std::filesystem::path& path, const BenchOptions& o
               {"budget_ms: 33 is the window's; 0: exact drafts",
                "first, refined: from opening the file to the first draft, and to the normal picture after it",
                "level: means of 2^level voxels along each axis; draft: of a turn after the normal picture",
-               "surface_level: surfaces of blocks of 2^surface_level voxels",
                "bytes_per_voxel: peak memory of the renderer, per voxel of the grid",
                "vtk_ms: a frame by VTK, volumes on the CPU, surfaces on Mesa's OpenGL"}};
   SPLATLAS_ASSIGN_OR_RETURN(const XServer display, start_x_server());

@@ -157,12 +157,10 @@ Result<Report> run_hybrid_bench(const BenchOptions& options) {
   SPLATLAS_ASSIGN_OR_RETURN(const XServer display, start_x_server());
   SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, open_colin27(options));
   SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas->read_all());
-  Table table{
-      "hybrid",
-      "Surfaces mixed with volume, in exact order",
-      {"wall_ratio: against VTK, with depth peeling for translucent surfaces",
-       "rmse: of tiles of 48x48 pixels against the fragments on the ray of every pixel's centre and the "
-       "volume between them in double precision, in 1/255 of linear light"}};
+  Table table{"hybrid",
+              "Surfaces mixed with volume, in exact order",
+              {"wall_ratio: against VTK, with depth peeling for translucent surfaces",
+               "rmse: of tiles of 48x48 pixels against double precision, in 1/255 of linear light"}};
   for (const HybridScene& scene : kScenes) {
     SPLATLAS_ASSIGN_OR_RETURN(const ErrorModel model, error_model(content, scene.selection));
     for (const int size : {512, 1024}) {

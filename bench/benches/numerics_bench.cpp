@@ -114,10 +114,8 @@ Result<void> measure_ripples(const Effort& effort, Report& report) {
   Table table{
       "ripple",
       "Ripple: the largest error of a plate of constant density against its closed form",
-      {"in 1/255 of linear light; any direction, zoom and shift below a voxel, opacities 0.03 and 0.3 a "
-       "voxel",
-       "faces_of_slices: rays enter and leave through faces that slices are parallel to, so that what is "
-       "left is the sum of footprints (ripple: of our normal quality)",
+      {"in 1/255; faces_of_slices: rays enter and leave through faces that slices are parallel to, so that "
+       "what is left is the sum of footprints",
        "side_faces: slices cut through the faces, whose slopes they sample (ripple_side_faces)"}};
   for (const CameraProjection projection : {CameraProjection::kParallel, CameraProjection::kPerspective}) {
     for (const NamedQuality& quality : kQualities) {

@@ -81,13 +81,12 @@ Elapsed frame_time(const Elapsed& traversal, const RenderStats& stages) {
 
 /// One figure in one quality by full traversal and by the turning player, one thread: a row, and its keys in
 /// the summary.
-Result<Row> measure_figure(const std::shared_ptr<const Atlas>& atlas, const VoxelModel& model,
+Result<Row> measure_figure(const std::shared_ptr<const Atlas>& atlas, FullTraversal& full,
                            const Figure& figure, const NamedQuality& quality, const Effort& effort,
                            Report& report) {
   // Full traversal knows no light of voxels
   const RenderOptions unlit{.quality = quality.quality, .hybrid_shading = false};
   SPLATLAS_ASSIGN_OR_RETURN(const Selection selection, Selection::parse(figure.selection, atlas->graph()));
-  FullTraversal full(atlas, model, 1);
   full.select(selection);
   Renderer turning(atlas, {.threads = 1});
   SPLATLAS_RETURN_IF_ERROR(turning.select(selection));
@@ -134,12 +133,13 @@ Result<void> add_traversal_table(const std::shared_ptr<const Atlas>& atlas,
                                  Table table, Report& report) {
   const Effort effort = options.quick ? Effort{.frames = 2, .repeats = 1} : Effort{};
   SPLATLAS_ASSIGN_OR_RETURN(const VoxelModel model, read_voxel_model(*atlas));
+  FullTraversal full(atlas, model, 1);
   for (const paper::Traversal& papers : figures) {
     SPLATLAS_ASSIGN_OR_RETURN(const Figure figure, read_figure(papers.figure));
     options.tell(fmt::format("figure {}", figure.name));
     for (const NamedQuality& quality : qualities) {
       SPLATLAS_ASSIGN_OR_RETURN(table.rows.emplace_back(),
-                                measure_figure(atlas, model, figure, quality, effort, report));
+                                measure_figure(atlas, full, figure, quality, effort, report));
       table.rows.back().update({{"paper_occupancy", paper::occupancy(papers, paper_voxels)},
                                 {"paper_cost_ratio", papers.cost_ratio}});
     }

@@ -242,13 +242,10 @@ Result<std::vector<Elapsed>> measure_newly_read(const std::filesystem::path& pat
 Result<Table> measure_reading(const AtlasContent& content, const std::shared_ptr<const Atlas>& atlas,
                               std::span<const ErrorModel> models, int turns, const BenchOptions& options,
                               Report& report) {
-  Table table{
-      "newly read",
-      "Selection change to structures not yet read from the file, Colin 27, soft, lit, 512x512",
-      {"first: from select() to the first picture, the file open and in the system's cache, nothing "
-       "decoded; peers: from masking to the first picture; minima over turns",
-       "select_vs_fixedpoint_max: our rays, which draw what VTK draws; select_vs_volpack_max: our drafts, as "
-       "VolPack in parallel projection and more accurate (bench error); by the wall clock"}};
+  Table table{"newly read",
+              "Selection change to structures not yet read from the file, Colin 27, soft, lit, 512x512",
+              {"first: from select() to the first picture, the file open and in the system's cache, nothing "
+               "decoded; peers: from masking to the first picture; minima over turns"}};
   const TemporaryFolder folder;
   const std::filesystem::path path = folder.path() / "select.atlas";
   SPLATLAS_RETURN_IF_ERROR(write_atlas(content, path));

@@ -72,12 +72,10 @@ double ratio(const StageTimes& times, const StageTimes& unit, const Effort& effo
 /// Every structure alone, groups with their descendants, beside the whole head and nothing.
 Result<Table> measure_skipping(const std::shared_ptr<const Atlas>& atlas, const Effort& effort,
                                const BenchOptions& options, nlohmann::ordered_json& summary) {
-  Table table{
-      "skip",
-      "Cost against what is selected: volumes of Colin 27, soft, 512x512, normal quality, one thread",
-      {"over_all: CPU time over that of the whole head, minimum over repeats of each frame, median over "
-       "frames; empty_over_all: the same of nothing",
-       "excess: over_all less 1.15 x visible_fraction less empty_over_all; the largest first"}};
+  Table table{"skip",
+              "Cost against what is selected: volumes of Colin 27, soft, 512x512, normal quality, one thread",
+              {"over_all: CPU time over that of the whole head; empty_over_all: the same of nothing",
+               "excess: over_all less 1.15 x visible_fraction less empty_over_all; the largest first"}};
   std::vector<Turning> turning;  // everything, nothing, a structure
   std::vector<Contender> contenders;
   for (std::size_t n = 0; n < 3; ++n) turning.emplace_back(atlas, effort);

@@ -1,6 +1,5 @@
 #include "bench/experiments/class_models.h"
 
-#include <algorithm>
 #include <bit>
 
 #include "format/result_macros.h"
@@ -8,10 +7,14 @@
 namespace splatlas {
 
 void RunCollector::start(const Index3& size, Axis axis) {
+  for (std::size_t slice = 0; slice < used_.size(); ++slice) {
+    for (std::size_t row = used_[slice].first; row < used_[slice].last; ++row)
+      lines_[slice * rows_ + row].clear();
+  }
   scan_ = ScanOrder::of(axis);
   rows_ = static_cast<std::size_t>(size[scan_.row_axis]);
-  lines_.resize(static_cast<std::size_t>(size[scan_.slice_axis]) * rows_);
-  for (std::vector<WalkedRun>& line : lines_) line.clear();
+  used_.assign(static_cast<std::size_t>(size[scan_.slice_axis]), {static_cast<std::uint32_t>(rows_), 0});
+  lines_.resize(used_.size() * rows_);
 }
 
 void RunCollector::add_list(std::span<const Run> runs, std::uint32_t draw) {

@@ -1,6 +1,7 @@
 // Models other than the run model (paper, sections 3 and 5): run models per level of the tree, and an octree.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -18,13 +19,17 @@ class RunCollector {
   void start(const Index3& size, Axis axis);
   [[nodiscard]] const ScanOrder& scan() const { return scan_; }
   /// Runs of different draws never overlap; those of one draw may.
-  void add(std::size_t slice, const WalkedRun& run) { lines_[slice * rows_ + run.row].push_back(run); }
+  void add(std::size_t slice, const WalkedRun& run) {
+    lines_[slice * rows_ + run.row].push_back(run);
+    used_[slice] = {std::min(used_[slice].first, run.row), std::max(used_[slice].last, run.row + 1)};
+  }
   void add_list(std::span<const Run> runs, std::uint32_t draw);
   /// Calls take(run) for the runs of a slice, sorted.
   template <typename Take>
   void for_each(std::int64_t slice, const Take& take) {
-    for (std::size_t row = 0; row < rows_; ++row) {
-      for (const WalkedRun& run : sorted(lines_[static_cast<std::size_t>(slice) * rows_ + row])) take(run);
+    const auto n = static_cast<std::size_t>(slice);
+    for (std::size_t row = used_[n].first; row < used_[n].last; ++row) {
+      for (const WalkedRun& run : sorted(lines_[n * rows_ + row])) take(run);
     }
   }
 
@@ -35,6 +40,10 @@ class RunCollector {
   ScanOrder scan_;
   std::size_t rows_ = 1;
   std::vector<std::vector<WalkedRun>> lines_;  // per scanline
+  struct Rows {
+    std::uint32_t first = 0, last = 0;  // the end
+  };
+  std::vector<Rows> used_;  // per slice
 };
 
 /// For every structure, the runs of its voxels and those of its descendants, along each axis. The lists of
