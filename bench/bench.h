@@ -23,6 +23,10 @@ struct BenchScene {
   const char* selection;  ///< selection text
 };
 
+/// Of the bench `scale`: first pictures and steady drafts of a CT as large as a clinic's, at the budget of
+/// the window, and the growth of steady frames with the voxels. Without the CT: tells so, and adds nothing.
+[[nodiscard]] Result<void> add_clinic(const BenchOptions& options, Report& report);
+
 [[nodiscard]] Result<Report> run_phantom_bench(const BenchOptions& options);
 [[nodiscard]] Result<Report> run_head_bench(const BenchOptions& options);
 [[nodiscard]] Result<Report> run_models_bench(const BenchOptions& options);
@@ -30,7 +34,6 @@ struct BenchScene {
 [[nodiscard]] Result<Report> run_size_bench(const BenchOptions& options);
 [[nodiscard]] Result<Report> run_build_bench(const BenchOptions& options);
 [[nodiscard]] Result<Report> run_web_bench(const BenchOptions& options);
-// Built if the peers are installed.
 [[nodiscard]] Result<Report> run_error_bench(const BenchOptions& options);
 [[nodiscard]] Result<Report> run_hybrid_bench(const BenchOptions& options);
 [[nodiscard]] Result<Report> run_numerics_bench(const BenchOptions& options);

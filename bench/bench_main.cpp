@@ -43,7 +43,6 @@ constexpr std::array kBenches{
           run_size_bench},
     Bench{"build", "preprocessing: time by stage, over loading alone, memory", run_build_bench},
     Bench{"web", "frames by the WebAssembly module in Node beside native ones", run_web_bench},
-#ifdef SPLATLAS_HAS_PEERS
     Bench{"error", "run time against error, ours at every quality beside VolPack and VTK", run_error_bench},
     Bench{"hybrid", "surfaces mixed with volume, beside VTK's depth peeling and FixedPoint with surfaces",
           run_hybrid_bench},
@@ -55,7 +54,6 @@ constexpr std::array kBenches{
           run_skip_bench},
     Bench{"select", "selection change to the first correct picture, beside VTK's FixedPoint and VolPack",
           run_select_bench},
-#endif
 };
 
 int report_error(const Error& error) {

@@ -20,5 +20,5 @@ check() {
 
 check product 63040 format preprocess player schemas
 check tests 50290 tests
-check bench 8510 bench
+check bench 5500 bench
 exit "$bad"

@@ -83,7 +83,6 @@ tests=(
 
   gnuplot-nox              # bench: plots
   libbenchmark-dev         # bench
-  libdraco-dev             # bench: Draco, a peer of stored surfaces
   libvolpack1-dev          # bench: VolPack, a peer (as is VTK, above, which draws under xvfb)
 
   invesalius-examples      # bench: a CT of a head

@@ -7,8 +7,7 @@
 #include <fmt/format.h>
 
 #include "bench/bench.h"
-#include "bench/benches/clinic_tables.h"
-#include "bench/experiments/grown_content.h"
+#include "bench/experiments/changed_content.h"
 #include "bench/measure/frames.h"
 #include "bench/measure/measure.h"
 #include "bench/scenes/atlases.h"
@@ -51,9 +50,7 @@ struct Contestant {
   std::shared_ptr<const Atlas> atlas;
   Renderer renderer;
   RenderOptions options = {};
-  Elapsed first = {};            // frame of the selection, reading included
-  std::uint64_t read_bytes = 0;  // bytes read for it
-  Frame frame = {};              // the latest one
+  Frame frame = {};  // the latest one
 
   static Result<Contestant> make(const Step& step, const std::filesystem::path& path, const char* selection,
                                  int side) {
@@ -61,11 +58,7 @@ struct Contestant {
     Contestant made{step, atlas, Renderer(atlas, {.threads = 1})};
     made.options = {.size = {side, side}, .hybrid_shading = false};  // the atlas has no normals
     SPLATLAS_ASSIGN_OR_RETURN(const Selection selected, Selection::parse(selection, atlas->graph()));
-    Stopwatch watch;
     SPLATLAS_RETURN_IF_ERROR(made.renderer.select(selected));
-    SPLATLAS_RETURN_IF_ERROR(made.draw(0, 1));
-    made.first = watch.lap();
-    made.read_bytes = atlas->counters().read;
     return made;
   }
 
@@ -90,47 +83,26 @@ Result<std::vector<std::vector<Elapsed>>> take_times(std::vector<Contestant>& co
   return times;
 }
 
-/// The atlas at every size, in files of a folder.
-class GrowingAtlas {
- public:
-  explicit GrowingAtlas(const std::filesystem::path& folder) : folder_(folder) {}
+std::filesystem::path surrounded_path(const std::filesystem::path& folder, const Step& step) {
+  return folder / fmt::format("surrounded_{}.atlas", step.times);
+}
+std::filesystem::path refined_path(const std::filesystem::path& folder, const Step& step) {
+  return folder / fmt::format("refined_{}.atlas", step.times);
+}
 
-  Result<void> write(const BenchOptions& options) const {
-    SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, open_colin27(options));
-    SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas->read_all());
-    for (const Step& step : kSteps) {
-      options.tell(fmt::format("building atlases of {} times the voxels", step.times));
-      SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent around, surrounded(content, step.along));
-      SPLATLAS_RETURN_IF_ERROR(write_atlas(around, surrounded_path(step), {.level = 1}));
-      Index3 finer = storage_grid(content).size;
-      for (std::int64_t& n : finer) n = std::llround(static_cast<double>(n) * std::cbrt(step.times));
-      SPLATLAS_RETURN_IF_ERROR(write_atlas(refined(content, finer), refined_path(step), {.level = 1}));
-    }
-    return {};
+/// Writes the atlas at every size.
+Result<void> write_atlases(const std::filesystem::path& folder, const BenchOptions& options) {
+  SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, open_colin27(options));
+  SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, atlas->read_all());
+  for (const Step& step : kSteps) {
+    options.tell(fmt::format("building atlases of {} times the voxels", step.times));
+    SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent around, surrounded(content, step.along));
+    SPLATLAS_RETURN_IF_ERROR(write_atlas(around, surrounded_path(folder, step), {.level = 1}));
+    Index3 finer = storage_grid(content).size;
+    for (std::int64_t& n : finer) n = std::llround(static_cast<double>(n) * std::cbrt(step.times));
+    SPLATLAS_RETURN_IF_ERROR(write_atlas(refined(content, finer), refined_path(folder, step), {.level = 1}));
   }
-
-  [[nodiscard]] std::filesystem::path surrounded_path(const Step& step) const {
-    return folder_ / fmt::format("surrounded_{}.atlas", step.times);
-  }
-  [[nodiscard]] std::filesystem::path refined_path(const Step& step) const {
-    return folder_ / fmt::format("refined_{}.atlas", step.times);
-  }
-
- private:
-  std::filesystem::path folder_;
-};
-
-/// The difference between a contestant and the unit; "" for none.
-std::string what_differs(const Contestant& contestant, const Contestant& unit, double rms) {
-  const RenderStats& ours = contestant.frame.stats;
-  const RenderStats& units = unit.frame.stats;
-  if (ours.runs_visited != units.runs_visited) {
-    return fmt::format("{} runs, not {}", ours.runs_visited, units.runs_visited);
-  }
-  if (ours.voxels_visited != units.voxels_visited) {
-    return fmt::format("{} voxels, not {}", ours.voxels_visited, units.voxels_visited);
-  }
-  return rms <= kMaxRms ? "" : fmt::format("pictures differ by {}", rms);
+  return {};
 }
 
 Row row_of(const Contestant& contestant, const std::vector<Elapsed>& times) {
@@ -138,19 +110,15 @@ Row row_of(const Contestant& contestant, const std::vector<Elapsed>& times) {
   const Atlas& atlas = *contestant.atlas;
   return {{"times", contestant.step.times},
           {"voxels", atlas.grid().voxels()},
-          {"size", contestant.options.size.width},
-          {"runs", contestant.frame.stats.runs_visited},
-          {"splatted", contestant.frame.stats.voxels_visited},
           {"wall_ms", frame.wall_ms},
           {"cpu_ms", frame.cpu_ms}};
 }
 
-Result<void> add_same(const GrowingAtlas& growing, const Effort& effort, const BenchOptions& options,
+Result<void> add_same(const std::filesystem::path& folder, const Effort& effort, const BenchOptions& options,
                       Report& report) {
   Table table{"same",
               "The same selection, more voxels around it: frames of 512x512, one thread",
               {"growth: CPU time of frames over that in the original atlas",
-               "first_ms: from the selection to its first picture, reading included; read: bytes of the file",
                "rms: of the last picture, against that of the original atlas, in 1/255"}};
   double largest = 0;
   for (const BenchScene& scene : kSame) {
@@ -158,26 +126,24 @@ Result<void> add_same(const GrowingAtlas& growing, const Effort& effort, const B
     std::vector<Contestant> contestants;
     for (const Step& step : kSteps) {
       SPLATLAS_ASSIGN_OR_RETURN(
-          Contestant made, Contestant::make(step, growing.surrounded_path(step), scene.selection, kSide));
+          Contestant made, Contestant::make(step, surrounded_path(folder, step), scene.selection, kSide));
       contestants.push_back(std::move(made));
     }
     SPLATLAS_ASSIGN_OR_RETURN(const auto times, take_times(contestants, effort));
     for (std::size_t n = 0; n < contestants.size(); ++n) {
-      const Elapsed growth = median_ratio(times[n], times[0], effort.frames);
+      const double growth = median_ratio(times[n], times[0], effort.frames).cpu_ms;
       const double rms =
           reference::whole_picture_rms(contestants[n].frame.picture, contestants[0].frame.picture);
       Row& row = table.rows.emplace_back(Row{{"scene", scene.name}});
       row.update(row_of(contestants[n], times[n]));
-      row.update({{"growth", growth.cpu_ms},
-                  {"growth_wall", growth.wall_ms},
-                  {"first_ms", contestants[n].first.wall_ms},
-                  {"read", contestants[n].read_bytes},
-                  {"rms", rms}});
-      if (const std::string what = what_differs(contestants[n], contestants[0], rms); !what.empty()) {
-        report.failures.push_back(
-            fmt::format("{} among {} times the voxels: {}", scene.name, contestants[n].step.times, what));
+      row.update({{"growth", growth}, {"rms", rms}});
+      const RenderStats &stats = contestants[n].frame.stats, &unit = contestants[0].frame.stats;
+      if (stats.runs_visited != unit.runs_visited || stats.voxels_visited != unit.voxels_visited ||
+          rms > kMaxRms) {
+        report.failures.push_back(fmt::format("{} among {} times the voxels: the picture differs", scene.name,
+                                              contestants[n].step.times));
       }
-      if (n + 1 == contestants.size()) largest = std::max(largest, growth.cpu_ms);
+      if (n + 1 == contestants.size()) largest = std::max(largest, growth);
     }
   }
   report.summary["same_selection_growth"] = largest;
@@ -185,33 +151,28 @@ Result<void> add_same(const GrowingAtlas& growing, const Effort& effort, const B
   return {};
 }
 
-Result<void> add_all(const GrowingAtlas& growing, const Effort& effort, const BenchOptions& options,
+Result<void> add_all(const std::filesystem::path& folder, const Effort& effort, const BenchOptions& options,
                      Report& report) {
-  Table table{
-      "all",
-      "Everything selected, finer grids: one thread",
-      {"growth: CPU time per grid voxel over that of the original atlas; growing pictures keep their pixels "
-       "per voxel"}};
-  for (const bool growing_picture : {true, false}) {
-    options.tell(fmt::format("everything, pictures that {}", growing_picture ? "grow" : "stay"));
-    std::vector<Contestant> contestants;
-    for (const Step& step : kSteps) {
-      const int side = growing_picture ? static_cast<int>(std::lround(kSide * std::cbrt(step.times))) : kSide;
-      SPLATLAS_ASSIGN_OR_RETURN(Contestant made,
-                                Contestant::make(step, growing.refined_path(step), kAll, side));
-      contestants.push_back(std::move(made));
-    }
-    SPLATLAS_ASSIGN_OR_RETURN(const auto times, take_times(contestants, effort));
-    const auto voxels = [&](std::size_t n) {
-      return static_cast<double>(contestants[n].atlas->grid().voxels());
-    };
-    for (std::size_t n = 0; n < contestants.size(); ++n) {
-      const double growth = median_ratio(times[n], times[0], effort.frames).cpu_ms * voxels(0) / voxels(n);
-      table.rows.push_back(row_of(contestants[n], times[n]));
-      table.rows.back().update(
-          {{"ns_per_voxel", 1e6 * median(times[n]).cpu_ms / voxels(n)}, {"growth", growth}});
-      if (growing_picture && n + 1 == contestants.size()) report.summary["all_growth_per_voxel"] = growth;
-    }
+  Table table{"all",
+              "Everything selected, finer grids, as many pixels per voxel: one thread",
+              {"growth: CPU time per grid voxel over that of the original atlas"}};
+  options.tell("everything");
+  std::vector<Contestant> contestants;
+  for (const Step& step : kSteps) {
+    const int side = static_cast<int>(std::lround(kSide * std::cbrt(step.times)));
+    SPLATLAS_ASSIGN_OR_RETURN(Contestant made,
+                              Contestant::make(step, refined_path(folder, step), kAll, side));
+    contestants.push_back(std::move(made));
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(const auto times, take_times(contestants, effort));
+  const auto voxels = [&](std::size_t n) {
+    return static_cast<double>(contestants[n].atlas->grid().voxels());
+  };
+  for (std::size_t n = 0; n < contestants.size(); ++n) {
+    const double growth = median_ratio(times[n], times[0], effort.frames).cpu_ms * voxels(0) / voxels(n);
+    table.rows.push_back(row_of(contestants[n], times[n]));
+    table.rows.back()["growth"] = growth;
+    report.summary["all_growth_per_voxel"] = growth;  // the last one stays
   }
   report.tables.push_back(std::move(table));
   return {};
@@ -223,10 +184,9 @@ Result<Report> run_scale_bench(const BenchOptions& options) {
   const Effort effort = options.quick ? Effort{3, 1} : Effort{};
   Report report;
   const TemporaryFolder folder;
-  const GrowingAtlas growing(folder.path());
-  SPLATLAS_RETURN_IF_ERROR(growing.write(options));
-  SPLATLAS_RETURN_IF_ERROR(add_same(growing, effort, options, report));
-  SPLATLAS_RETURN_IF_ERROR(add_all(growing, effort, options, report));
+  SPLATLAS_RETURN_IF_ERROR(write_atlases(folder.path(), options));
+  SPLATLAS_RETURN_IF_ERROR(add_same(folder.path(), effort, options, report));
+  SPLATLAS_RETURN_IF_ERROR(add_all(folder.path(), effort, options, report));
   SPLATLAS_RETURN_IF_ERROR(add_clinic(options, report));
   return report;
 }

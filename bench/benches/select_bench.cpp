@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,7 +11,6 @@
 #include "bench/bench.h"
 #include "bench/measure/frames.h"
 #include "bench/measure/measure.h"
-#include "bench/peers/x_server.h"
 #include "bench/scenes/atlases.h"
 #include "bench/scenes/participants.h"
 #include "format/atlas_writer.h"
@@ -58,9 +56,11 @@ constexpr std::array kScenes{
 /// Selects a scene and draws its first picture and the next one: two stages. Adds the number of values that
 /// differ between the two.
 Result<std::vector<Elapsed>> change_to(Renderer& renderer, const Selection& selection, const Method& method,
-                                       std::uint64_t& differ) {
-  const RenderOptions options{
-      .size = kSize, .quality = method.quality, .classification = method.classification};
+                                       std::uint64_t& differ, bool lit = true) {
+  const RenderOptions options{.size = kSize,
+                              .quality = method.quality,
+                              .classification = method.classification,
+                              .hybrid_shading = lit};
   Camera camera = oblique_camera();
   camera.projection = method.projection;
   camera.field_of_view_deg = kVerticalFovDeg;
@@ -101,10 +101,7 @@ Result<Table> measure_decoded(const std::shared_ptr<const Atlas>& atlas, std::sp
                             {"scene", kScenes[n].name},
                             {"first_ms", first.wall_ms},
                             {"steady_ms", steady.wall_ms},
-                            {"ratio", ratio},
-                            {"first_cpu", first.cpu_ms},
-                            {"steady_cpu", steady.cpu_ms},
-                            {"cpu_ratio", first.cpu_ms / steady.cpu_ms}});
+                            {"ratio", ratio}});
       raise(report.summary, kFirstOverSteady[w], ratio);
     }
     if (differ > 0)
@@ -113,110 +110,117 @@ Result<Table> measure_decoded(const std::shared_ptr<const Atlas>& atlas, std::sp
   return table;
 }
 
-/// Look-up tables of masking, by class.
-struct DrawnClasses {
-  std::vector<std::uint8_t> drawn;  ///< 0xff for classes drawn as volume, otherwise 0
-  std::vector<bool> lit;            ///< drawn, and on the boundary
-};
-DrawnClasses drawn_classes(const AtlasContent& content, const Atlas& atlas, const Selection& selection) {
-  DrawnClasses classes{std::vector<std::uint8_t>(content.classes.size(), 0),
-                       std::vector<bool>(content.classes.size(), false)};
+/// Changes of mode, opacity and colour of one structure of the whole head; and the head after another
+/// selection, lit and unlit. All is decoded.
+Result<Table> measure_head(const std::shared_ptr<const Atlas>& atlas, int turns,
+                           nlohmann::ordered_json& summary) {
+  Table table{"head",
+              "Changes of one structure of the head, and the whole head, 512x512, 2 threads",
+              {"first: from select() to the first picture; steady: the next one; minima over turns"}};
+  SPLATLAS_ASSIGN_OR_RETURN(const Selection head,
+                            Selection::parse("Head:volume(opacity=0.3)", atlas->graph()));
+  SPLATLAS_ASSIGN_OR_RETURN(const Selection other, Selection::parse("Cerebellum", atlas->graph()));
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StructureIndex> found, atlas->graph().find("Precentral_L"));
+  Selection mode = head, opacity = head, color = head;
+  mode.structures[found.front()].mode = DrawMode::kBoth;
+  opacity.structures[found.front()].opacity = 0.6f;
+  color.structures[found.front()].color = {255, 0, 0};
+  struct Change {
+    const char* name;
+    const Selection &from, &to;
+    bool lit = true;
+  };
+  const std::array changes{Change{"mode", head, mode}, Change{"opacity", head, opacity},
+                           Change{"colour", head, color}, Change{"head", other, head},
+                           Change{"head, unlit", other, head, false}};
+  Renderer renderer(atlas, {.threads = kThreads});
+  std::uint64_t differ = 0;
+  std::vector<Contender> contenders;
+  for (const Change& change : changes) {
+    contenders.emplace_back([&](int) -> Result<std::vector<Elapsed>> {
+      SPLATLAS_RETURN_IF_ERROR(change_to(renderer, change.from, kMethods[kSheets], differ, change.lit));
+      return change_to(renderer, change.to, kMethods[kSheets], differ, change.lit);
+    });
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StageTimes> times, measure_interleaved(contenders, turns));
+  for (std::size_t n = 0; n < changes.size(); ++n) {
+    const double first = best_of_repeats(times[n][0], 1)[0].wall_ms;
+    const double steady = best_of_repeats(times[n][1], 1)[0].wall_ms;
+    table.rows.push_back({{"change", changes[n].name}, {"first_ms", first}, {"steady_ms", steady}});
+    if (n < 3) raise(summary, "one_structure_over_steady_max", first / steady);
+  }
+  summary["first_lit_over_unlit_head"] =
+      table.rows[3]["first_ms"].get<double>() / table.rows[4]["first_ms"].get<double>();
+  return table;
+}
+
+/// Share of the peers in a change: the masked copy. Per class, 0xff if it is drawn, otherwise 0.
+std::vector<std::uint8_t> drawn_classes(const Atlas& atlas, const Selection& selection) {
+  std::vector<std::uint8_t> drawn(atlas.classes().size(), 0);
   for (const ClassDraw& draw : atlas.tree().plan(selection).classes) {
-    if (!draws_volume(draw.role)) continue;
-    classes.drawn[draw.id] = 0xff;
-    classes.lit[draw.id] = draw.boundary;
+    if (draws_volume(draw.role)) drawn[draw.id] = 0xff;
   }
-  return classes;
+  return drawn;
 }
 
-/// Share of the peers in a change: the masked copy, one pass over all voxels.
-void mask(const AtlasContent& content, const DrawnClasses& classes, reference::MaskedVolume& volume) {
-  const auto* greys = content.values.as<std::uint8_t>();
-  for (std::size_t n = 0; n < volume.greys.size(); ++n)
-    volume.greys[n] = static_cast<std::uint8_t>(greys[n] & classes.drawn[content.class_volume[n]]);
-}
-
-/// The same for normals, of which VTK takes none. `all`: packed normals of all boundary voxels.
-void mask_normals(const AtlasContent& content, const std::vector<std::int32_t>& all,
-                  const DrawnClasses& classes, reference::MaskedVolume& volume) {
-  using reference::MaskedVolume;
-  for (std::size_t n = 0; n < volume.normals.size(); ++n) {
-    const ClassId c = content.class_volume[n];
-    volume.normals[n] = classes.lit[c]          ? all[n]
-                        : classes.drawn[c] != 0 ? MaskedVolume::kUnlit
-                                                : MaskedVolume::kOutside;
-  }
-}
-
-/// Packed normals of all voxels of classes with a boundary, whatever is selected; 0 elsewhere.
-std::vector<std::int32_t> all_normals(const AtlasContent& content) {
-  std::vector<std::int32_t> normals(content.class_volume.size(), 0);
-  std::vector<std::size_t> met(content.classes.size(), 0);  // voxels per class so far
-  for (std::size_t n = 0; n < normals.size(); ++n) {
-    const std::vector<PackedNormal>& of_class = content.boundary_normals[content.class_volume[n]];
-    std::size_t& next = met[content.class_volume[n]];
-    if (next < of_class.size()) normals[n] = of_class[next++];
-  }
-  return normals;
-}
-
-/// Peers in use, showing another selection at the start of the clock.
+/// Peers in use, showing another selection at the start of the clock. The first one has all normals.
 class Peers {
  public:
   Peers(const AtlasContent& content, const Atlas& atlas, const ErrorModel& first, const ParallelView& view)
       : content_(content),
         atlas_(atlas),
         view_(view),
+        all_(first.volume),
         masked_(first.volume),
-        normals_(all_normals(content)),
         vtk_(kSize) {
     vtk_.add_volume(masked_, first.appearance, VtkVolumeMapper::kFixedPoint, kStepMm);
     vtk_.shade_volumes(true);
   }
 
   /// Masks, uploads the masked copy and draws.
-  Result<std::vector<Elapsed>> change_vtk(const ErrorModel& model) {
-    const reference::PerspectiveView view{view_, kVerticalFovDeg};
-    const DrawnClasses drawn = drawn_classes(content_, atlas_, model.selection);
-    Stopwatch watch;
-    mask(content_, drawn, masked_);
+  Result<void> change_vtk(const ErrorModel& model) {
+    mask_greys(model.selection);
     vtk_.replace_volume(masked_);
-    vtk_.render(view);
-    const Elapsed first = watch.lap();
-    vtk_.render(view);
-    return std::vector{first, watch.lap()};
+    vtk_.render(reference::PerspectiveView{view_, kVerticalFovDeg});
+    return {};
   }
 
   /// Masks, classifies into runs and draws.
-  Result<std::vector<Elapsed>> change_volpack(const ErrorModel& model) {
-    const DrawnClasses drawn = drawn_classes(content_, atlas_, model.selection);
-    Stopwatch watch;
-    mask(content_, drawn, masked_);
-    mask_normals(content_, normals_, drawn, masked_);
-    SPLATLAS_ASSIGN_OR_RETURN(
-        VolpackPeer volpack,
-        VolpackPeer::classify(masked_, model.appearance, OpacityRounding::kDown, VolpackShading::kHybrid));
-    SPLATLAS_RETURN_IF_ERROR(volpack.render(view_));
-    const Elapsed first = watch.lap();
-    SPLATLAS_RETURN_IF_ERROR(volpack.render(view_));
-    return std::vector{first, watch.lap()};
+  Result<void> change_volpack(const ErrorModel& model) {
+    const std::vector<std::uint8_t> drawn = mask_greys(model.selection);
+    for (std::size_t n = 0; n < masked_.normals.size(); ++n) {  // VTK takes none
+      masked_.normals[n] =
+          drawn[content_.class_volume[n]] != 0 ? all_.normals[n] : reference::MaskedVolume::kOutside;
+    }
+    SPLATLAS_ASSIGN_OR_RETURN(VolpackPeer volpack, VolpackPeer::classify(masked_, model.appearance));
+    return volpack.render(view_);
   }
 
  private:
+  std::vector<std::uint8_t> mask_greys(const Selection& selection) {
+    std::vector<std::uint8_t> drawn = drawn_classes(atlas_, selection);
+    const auto* greys = content_.values.as<std::uint8_t>();
+    for (std::size_t n = 0; n < masked_.greys.size(); ++n)
+      masked_.greys[n] = static_cast<std::uint8_t>(greys[n] & drawn[content_.class_volume[n]]);
+    return drawn;
+  }
+
   const AtlasContent& content_;
   const Atlas& atlas_;
   const ParallelView& view_;
+  const reference::MaskedVolume& all_;
   reference::MaskedVolume masked_;
-  std::vector<std::int32_t> normals_;
   VtkPeer vtk_;
 };
 
-/// One scene by our methods, VTK and VolPack: times of the first pictures and the next ones.
+/// Contenders of one scene: our methods, VTK and VolPack.
 constexpr std::size_t kVtk = kMethods.size(), kVolpack = kVtk + 1;
-using FirstAndSteady = std::array<Elapsed, 2>;
+constexpr std::array kContenders{"splatlas, perspective, post-classified", "splatlas, parallel",
+                                 "splatlas, parallel, draft", "VTK FixedPoint", "VolPack"};
 
-Result<std::vector<FirstAndSteady>> measure_newly_read(const std::filesystem::path& path,
-                                                       const ErrorModel& model, Peers& peers, int turns) {
+/// First pictures of one scene, the fastest turn of each contender.
+Result<std::vector<Elapsed>> measure_newly_read(const std::filesystem::path& path, const ErrorModel& model,
+                                                Peers& peers, int turns) {
   std::vector<Contender> contenders;
   for (const Method& method : kMethods) {
     contenders.emplace_back([&](int) -> Result<std::vector<Elapsed>> {
@@ -227,43 +231,21 @@ Result<std::vector<FirstAndSteady>> measure_newly_read(const std::filesystem::pa
       return change_to(renderer, model.selection, method, differ);
     });
   }
-  contenders.emplace_back([&](int) { return peers.change_vtk(model); });
-  contenders.emplace_back([&](int) { return peers.change_volpack(model); });
+  contenders.push_back(timed([&](int) { return peers.change_vtk(model); }));
+  contenders.push_back(timed([&](int) { return peers.change_volpack(model); }));
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StageTimes> times, measure_interleaved(contenders, turns));
-  std::vector<FirstAndSteady> taken;
-  for (const StageTimes& stages : times)
-    taken.push_back({best_of_repeats(stages[0], 1)[0], best_of_repeats(stages[1], 1)[0]});
-  return taken;
-}
-
-void add_rows(const char* scene, const std::vector<FirstAndSteady>& taken, Table& table) {
-  constexpr std::array kPeers{"VTK FixedPoint", "VolPack"};
-  for (std::size_t n = 0; n < taken.size(); ++n) {
-    const bool is_peer = n >= kMethods.size();
-    const auto& [first, steady] = taken[n];
-    table.rows.push_back({{"scene", scene},
-                          {"renderer", is_peer ? kPeers[n - kMethods.size()] : "splatlas"},
-                          {"method", is_peer ? "" : kMethods[n].name},
-                          {"first_ms", first.wall_ms},
-                          {"first_cpu", first.cpu_ms},
-                          {"steady_ms", steady.wall_ms},
-                          {"over_fixedpoint", first.wall_ms / taken[kVtk][0].wall_ms},
-                          {"over_volpack", first.wall_ms / taken[kVolpack][0].wall_ms}});
-  }
+  std::vector<Elapsed> firsts;
+  for (const StageTimes& stages : times) firsts.push_back(best_of_repeats(stages[0], 1)[0]);
+  return firsts;
 }
 
 Result<Table> measure_reading(const AtlasContent& content, const std::shared_ptr<const Atlas>& atlas,
                               std::span<const ErrorModel> models, int turns, const BenchOptions& options,
                               Report& report) {
-  Table table{
-      "newly read",
-      "Selection change to structures not yet read from the file, Colin 27, soft, lit, 512x512",
-      {"first: from select() to the first picture, the file open and in the system's cache, nothing "
-       "decoded; peers: from masking to the first picture; minima over turns",
-       "VTK FixedPoint: mask, upload, draw in perspective at steps of 1 mm; VolPack: mask, classify, "
-       "draw, one thread",
-       "select_vs_fixedpoint_max: our rays, which draw what VTK draws; select_vs_volpack_max: our drafts, as "
-       "VolPack in parallel projection and more accurate (bench error); by the wall clock"}};
+  Table table{"newly read",
+              "Selection change to structures not yet read from the file, Colin 27, soft, lit, 512x512",
+              {"first: from select() to the first picture, the file open and in the system's cache, nothing "
+               "decoded; peers: from masking to the first picture; minima over turns"}};
   const TemporaryFolder folder;
   const std::filesystem::path path = folder.path() / "select.atlas";
   SPLATLAS_RETURN_IF_ERROR(write_atlas(content, path));
@@ -272,16 +254,18 @@ Result<Table> measure_reading(const AtlasContent& content, const std::shared_ptr
   Peers peers(content, *atlas, models[0], view);
   for (std::size_t n = 0; n < models.size(); ++n) {
     options.tell(fmt::format("newly read: {}", kScenes[n].name));
-    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<FirstAndSteady> taken,
+    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<Elapsed> firsts,
                               measure_newly_read(path, models[n], peers, turns));
-    add_rows(kScenes[n].name, taken, table);
-    const auto over = [&](std::size_t ours, std::size_t theirs) {
-      return taken[ours][0].wall_ms / taken[theirs][0].wall_ms;
-    };
-    raise(report.summary, "select_vs_fixedpoint_max", over(kRays, kVtk));
-    raise(report.summary, "select_parallel_vs_fixedpoint_max", over(kSheets, kVtk));
-    raise(report.summary, "select_vs_volpack_max", over(kDrafts, kVolpack));
-    raise(report.summary, "select_normal_vs_volpack_max", over(kSheets, kVolpack));
+    for (std::size_t c = 0; c < firsts.size(); ++c) {
+      table.rows.push_back({{"scene", kScenes[n].name},
+                            {"renderer", kContenders[c]},
+                            {"first_ms", firsts[c].wall_ms},
+                            {"first_cpu", firsts[c].cpu_ms},
+                            {"over_fixedpoint", firsts[c].wall_ms / firsts[kVtk].wall_ms},
+                            {"over_volpack", firsts[c].wall_ms / firsts[kVolpack].wall_ms}});
+    }
+    raise(report.summary, "select_vs_fixedpoint_max", firsts[kRays].wall_ms / firsts[kVtk].wall_ms);
+    raise(report.summary, "select_vs_volpack_max", firsts[kDrafts].wall_ms / firsts[kVolpack].wall_ms);
   }
   return table;
 }
@@ -300,6 +284,8 @@ Result<Report> run_select_bench(const BenchOptions& options) {
   options.tell("among decoded structures");
   SPLATLAS_ASSIGN_OR_RETURN(report.tables.emplace_back(),
                             measure_decoded(atlas, models, options.quick ? 7 : 31, report));
+  SPLATLAS_ASSIGN_OR_RETURN(report.tables.emplace_back(),
+                            measure_head(atlas, options.quick ? 5 : 15, report.summary));
   SPLATLAS_ASSIGN_OR_RETURN(report.tables.emplace_back(),
                             measure_reading(content, atlas, models, options.quick ? 3 : 9, options, report));
   return report;

@@ -9,12 +9,11 @@
 #include <fmt/format.h>
 
 #include "bench/bench.h"
+#include "bench/experiments/changed_content.h"
 #include "bench/measure/frames.h"
-#include "bench/measure/isolated.h"
 #include "bench/measure/measure.h"
 #include "bench/scenes/atlases.h"
 #include "bench/scenes/error_scenes.h"
-#include "bench/scenes/skip_selections.h"
 #include "format/atlas_writer.h"
 #include "format/result_macros.h"
 #include "player/renderer.h"
@@ -24,15 +23,12 @@ namespace {
 
 constexpr PictureSize kSize{512, 512};
 constexpr const char* kAppearance = "opacity=0.3,color=#ffffff";
-constexpr std::size_t kAtOnce = 16;  // selections measured interleaved with all and with nothing
 
-/// Factor of turns for comparisons of two atlases, to separate their difference from noise.
-constexpr int kIsolationTurns = 6;
+constexpr int kIsolationTurns = 6;  // factor, to separate the difference of two atlases from noise
 
 struct Effort {
   int frames = 7, repeats = 3;
-  std::size_t unions = 24;
-  std::size_t every = 1;  // n-th selection
+  StructureIndex every = 1;  // n-th structure
 
   [[nodiscard]] int turns() const { return frames * repeats; }
 };
@@ -73,96 +69,54 @@ double ratio(const StageTimes& times, const StageTimes& unit, const Effort& effo
       .cpu_ms;
 }
 
-/// One batch of selections, beside everything and nothing.
-Result<void> measure_batch(const std::shared_ptr<const Atlas>& atlas, const Selection& all,
-                           std::span<const NamedSelection> batch, const Effort& effort, Table& table,
-                           nlohmann::ordered_json& summary) {
-  std::vector<Turning> turning;
-  for (std::size_t n = 0; n < batch.size() + 2; ++n) turning.emplace_back(atlas, effort);
+/// Every structure alone, groups with their descendants, beside the whole head and nothing.
+Result<Table> measure_skipping(const std::shared_ptr<const Atlas>& atlas, const Effort& effort,
+                               const BenchOptions& options, nlohmann::ordered_json& summary) {
+  Table table{"skip",
+              "Cost against what is selected: volumes of Colin 27, soft, 512x512, normal quality, one thread",
+              {"over_all: CPU time over that of the whole head; empty_over_all: the same of nothing",
+               "excess: over_all less 1.15 x visible_fraction less empty_over_all; the largest first"}};
+  std::vector<Turning> turning;  // everything, nothing, a structure
+  std::vector<Contender> contenders;
+  for (std::size_t n = 0; n < 3; ++n) turning.emplace_back(atlas, effort);
+  for (Turning& each : turning) contenders.push_back(each.contender());
+  const StructureGraph& graph = atlas->graph();
+  SPLATLAS_ASSIGN_OR_RETURN(const Selection all,
+                            Selection::parse(selection_text("Head", kAppearance), graph));
   Selection nothing;
-  nothing.structures.resize(atlas->graph().size());
+  nothing.structures.resize(graph.size());
   SPLATLAS_RETURN_IF_ERROR(turning[0].select(all));
   SPLATLAS_RETURN_IF_ERROR(turning[1].select(nothing));
-  for (std::size_t n = 0; n < batch.size(); ++n) {
-    SPLATLAS_RETURN_IF_ERROR(turning[n + 2].select(batch[n].selection));
-  }
-  std::vector<Contender> contenders;
-  for (Turning& each : turning) contenders.push_back(each.contender());
-  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StageTimes> times,
-                            measure_interleaved(contenders, effort.turns()));
-  const double empty = ratio(times[1], times[0], effort);
-  for (std::size_t n = 0; n < batch.size(); ++n) {
-    const double fraction = static_cast<double>(turning[n + 2].visible_voxels()) /
-                            static_cast<double>(turning[0].visible_voxels());
-    const double over_all = ratio(times[n + 2], times[0], effort);
+  std::vector<double> empties;
+  for (StructureIndex s = 0; s < graph.size(); s += effort.every) {
+    options.tell(graph[s].id);
+    Selection selection = nothing;
+    for (const StructureIndex below : graph.descendants(s)) {
+      selection.structures[below] = {.mode = DrawMode::kVolume, .opacity = 0.3f, .color = {255, 255, 255}};
+    }
+    SPLATLAS_RETURN_IF_ERROR(turning[2].select(selection));
+    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StageTimes> times,
+                              measure_interleaved(contenders, effort.turns()));
+    const double empty = ratio(times[1], times[0], effort), over_all = ratio(times[2], times[0], effort);
+    const double fraction =
+        static_cast<double>(turning[2].visible_voxels()) / static_cast<double>(turning[0].visible_voxels());
     const double excess = over_all - 1.15 * fraction - empty;
-    table.rows.push_back({{"selection", batch[n].name},
-                          {"visible_voxels", turning[n + 2].visible_voxels()},
+    table.rows.push_back({{"structure", graph[s].id},
                           {"visible_fraction", fraction},
-                          {"cpu_ms", median(best_of_repeats(times[n + 2][0], effort.frames)).cpu_ms},
                           {"over_all", over_all},
                           {"empty_over_all", empty},
                           {"excess", excess}});
+    empties.push_back(empty);
     raise(summary, "skip_excess_max", excess);
   }
-  return {};
-}
-
-Result<Table> measure_skipping(const std::shared_ptr<const Atlas>& atlas, const Effort& effort,
-                               const BenchOptions& options, nlohmann::ordered_json& summary) {
-  Table table{
-      "skip",
-      "Cost against what is selected: volumes of Colin 27, soft, 512x512, normal quality, one thread",
-      {"over_all: CPU time over that of the whole head, minimum over repeats of each frame, median over "
-       "frames; empty_over_all: the same of nothing",
-       "excess: over_all less 1.15 x visible_fraction less empty_over_all; the largest first"}};
-  const StructureDraw draw{.mode = DrawMode::kVolume, .opacity = 0.3f, .color = {255, 255, 255}};
-  std::vector<NamedSelection> selections;
-  const std::vector<NamedSelection> many = many_selections(atlas->graph(), draw, effort.unions);
-  for (std::size_t n = 0; n < many.size(); n += effort.every) selections.push_back(many[n]);
-  SPLATLAS_ASSIGN_OR_RETURN(const Selection all,
-                            Selection::parse(selection_text("Head", kAppearance), atlas->graph()));
-  for (std::size_t first = 0; first < selections.size(); first += kAtOnce) {
-    const std::size_t count = std::min(kAtOnce, selections.size() - first);
-    options.tell(fmt::format("selections {} to {} of {}", first + 1, first + count, selections.size()));
-    SPLATLAS_RETURN_IF_ERROR(
-        measure_batch(atlas, all, std::span(selections).subspan(first, count), effort, table, summary));
-  }
-  std::vector<double> empty;
-  for (const Row& row : table.rows) empty.push_back(row["empty_over_all"].get<double>());
-  summary["empty_over_all"] = median(empty);
+  summary["empty_over_all"] = median(empties);
   std::stable_sort(table.rows.begin(), table.rows.end(),
                    [](const Row& a, const Row& b) { return a["excess"] > b["excess"]; });
   return table;
 }
 
-constexpr std::array kIsolated{"Head",
-                               "Brain",
-                               "\"Left hemisphere\"",
-                               "Cerebellum",
-                               "\"Frontal lobe\"",
-                               "\"Temporal lobe\"",
-                               "Insula",
-                               "Hippocampus_L + Amygdala_L",
-                               "Precentral_L",
-                               "Caudate_R",
-                               "Thalamus_L",
-                               "Vermis"};
-
-/// An in-memory atlas of the structures of the selection alone.
-Result<std::shared_ptr<const Atlas>> isolate(const AtlasContent& content, const Selection& selection,
-                                             Selection& isolated_selection) {
-  SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent alone, isolated(content, selection, isolated_selection));
-  SPLATLAS_ASSIGN_OR_RETURN(std::vector<std::byte> bytes, encode_atlas(alone));
-  return Atlas::open_bytes(std::move(bytes), "(isolated)");
-}
-
-/// Bytes of the chunks that a first picture reads.
-Result<std::uint64_t> chunk_bytes_read(const Atlas& untouched, Turning& turning, const Selection& selection) {
-  const std::uint64_t before = untouched.counters().read;
-  SPLATLAS_RETURN_IF_ERROR(turning.select(selection));
-  return untouched.counters().read - before;
-}
+constexpr std::array kIsolated{"Head",  "Cerebellum",       "Precentral_L",
+                               "Brain", "\"Frontal lobe\"", "Caudate_R"};
 
 Result<Table> measure_isolation(const AtlasContent& content, const Effort& effort,
                                 const BenchOptions& options, Report& report) {
@@ -171,33 +125,35 @@ Result<Table> measure_isolation(const AtlasContent& content, const Effort& effor
               {"time: CPU time in the full atlas over that in the small one, one thread",
                "bytes: of chunks read from either file for all views, its directory left out"}};
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> full_bytes, encode_atlas(content));
-  for (std::size_t n = 0; n < kIsolated.size(); n += options.quick ? 4 : 1) {
+  for (std::size_t n = 0; n < kIsolated.size(); n += options.quick ? 2 : 1) {
     options.tell(fmt::format("isolated: {}", kIsolated[n]));
     SPLATLAS_ASSIGN_OR_RETURN(const Selection selection,
                               Selection::parse(selection_text(kIsolated[n], kAppearance), content.graph));
     SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> full, Atlas::open_bytes(full_bytes));
-    Selection alone_selection;
+    SPLATLAS_ASSIGN_OR_RETURN(std::vector<std::byte> bytes_alone, encode_atlas(isolated(content, selection)));
     SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> alone,
-                              isolate(content, selection, alone_selection));
+                              Atlas::open_bytes(std::move(bytes_alone)));
     std::vector<Turning> turning;
     turning.emplace_back(full, effort);
     turning.emplace_back(alone, effort);
-    SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t full_read, chunk_bytes_read(*full, turning[0], selection));
-    SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t alone_read,
-                              chunk_bytes_read(*alone, turning[1], alone_selection));
+    std::array<std::uint64_t, 2> read{};  // bytes of chunks for all views
+    for (std::size_t a = 0; a < 2; ++a) {
+      const Atlas& atlas = a == 0 ? *full : *alone;
+      const std::uint64_t before = atlas.counters().read;
+      SPLATLAS_RETURN_IF_ERROR(turning[a].select(selection));
+      read[a] = atlas.counters().read - before;
+    }
     const std::vector<Contender> contenders{turning[0].contender(), turning[1].contender()};
     SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StageTimes> times,
                               measure_interleaved(contenders, kIsolationTurns * effort.turns()));
     const double time = ratio(times[0], times[1], effort);
-    const double bytes = static_cast<double>(full_read) / static_cast<double>(alone_read);
+    const double bytes = static_cast<double>(read[0]) / static_cast<double>(read[1]);
     const std::uint64_t differ = bits_differ(turning[0].picture().rgba, turning[1].picture().rgba);
     table.rows.push_back({{"selection", kIsolated[n]},
                           {"visible_voxels", turning[0].visible_voxels()},
-                          {"cpu_ms", median(best_of_repeats(times[0][0], effort.frames)).cpu_ms},
-                          {"alone_cpu_ms", median(best_of_repeats(times[1][0], effort.frames)).cpu_ms},
                           {"time", time},
-                          {"bytes_read", full_read},
-                          {"alone_bytes_read", alone_read},
+                          {"bytes_read", read[0]},
+                          {"alone_bytes_read", read[1]},
                           {"bytes", bytes},
                           {"bits_differ", differ}});
     raise(report.summary, "isolation_time_max", time);
@@ -214,7 +170,7 @@ Result<Table> measure_isolation(const AtlasContent& content, const Effort& effor
 
 Result<Report> run_skip_bench(const BenchOptions& options) {
   Report report;
-  const Effort effort = options.quick ? Effort{.frames = 3, .repeats = 2, .unions = 6, .every = 5} : Effort{};
+  const Effort effort = options.quick ? Effort{.frames = 3, .repeats = 2, .every = 5} : Effort{};
   SPLATLAS_ASSIGN_OR_RETURN(const std::shared_ptr<const Atlas> atlas, open_colin27(options));
   SPLATLAS_ASSIGN_OR_RETURN(report.tables.emplace_back(),
                             measure_skipping(atlas, effort, options, report.summary));

@@ -34,13 +34,7 @@ struct DenseSheet {
 /// Composites all slices front to back (Highway, best available vectors). Every pixel of a slice is the mean
 /// of four voxels with bilinear weights that change per slice, composited under the previous ones: out += (1
 /// - alpha) * in. Nothing is skipped, and no exponential is evaluated. Bands of rows pass through all slices,
-/// so that the accumulated pixels stay in the cache. One thread. Cost: samples().
+/// so that the accumulated pixels stay in the cache. One thread. Cost: pixels times slices.
 void composite_dense(const DenseVolume& volume, DenseSheet& sheet);
-
-/// Pixels times slices.
-[[nodiscard]] inline std::uint64_t samples(const DenseVolume& volume, int scale) {
-  return static_cast<std::uint64_t>(volume.columns * volume.rows * volume.slices) *
-         static_cast<std::uint64_t>(scale * scale);
-}
 
 }  // namespace splatlas

@@ -2,9 +2,11 @@
 // algorithm using the original voxel model without RDT and RL".
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
+#include "bench/experiments/walked_spans.h"
 #include "bench/measure/frames.h"
 #include "format/tasks/thread_pool.h"
 
@@ -24,8 +26,12 @@ struct VoxelModel {
 /// bit for bit, without hybrid shading. Not thread-safe; uses its own threads.
 class FullTraversal {
  public:
-  /// `model` belongs to the atlas and must outlive this. 0 threads: one per core.
-  FullTraversal(std::shared_ptr<const Atlas> atlas, const VoxelModel& model, unsigned threads);
+  /// Finds the spans of a selection in another way. They must be the same.
+  using FindSpans = std::function<SpanModel(const WalkedScene& scene, Axis axis, ThreadPool& pool)>;
+
+  /// `model` belongs to the atlas and must outlive this.
+  FullTraversal(std::shared_ptr<const Atlas> atlas, const VoxelModel& model, unsigned threads,
+                FindSpans find_spans = nullptr);
 
   /// Sets one flag per class and structure, the only input of the traversal. `selection` belongs to the graph
   /// of the atlas.
@@ -35,6 +41,8 @@ class FullTraversal {
     Picture picture;
     Elapsed traversal;  ///< voxels, optical properties and triangles
     RenderStats drawn;
+    SheetWindow window;  ///< of the sheets
+    int planes = 0;      ///< composited colours, and opacity
   };
   [[nodiscard]] Result<Frame> render(const Camera& camera, const RenderOptions& options);
 
@@ -45,12 +53,12 @@ class FullTraversal {
   std::shared_ptr<const Atlas> atlas_;
   const VoxelModel& model_;
   ThreadPool pool_;
+  FindSpans find_spans_;
 
   Selection selection_;
   DrawPlan plan_;
-  VolumeAppearances appearances_;             // per class of plan_
-  std::vector<std::uint32_t> draw_of_class_;  // index into plan_.classes, or kNotDrawn
-  std::vector<bool> draws_surface_;           // per structure
+  VolumeAppearances appearances_;    // per class of plan_
+  std::vector<bool> draws_surface_;  // per structure
 
   std::vector<std::vector<StructureIndex>> owners_;  // owner of each triangle, per structure
   std::vector<SurfaceClusters> clusters_;            // per structure

@@ -35,18 +35,6 @@ Result<std::vector<Camera>> cameras_by_axis(const Camera& camera, int turns, int
   return cameras;
 }
 
-Result<DecodedVolumes> decode_volumes(const std::shared_ptr<const Atlas>& atlas, const Selection& selection,
-                                      Axis axis, ThreadPool& pool) {
-  DecodedVolumes decoded{atlas->tree().plan(selection),
-                         std::make_unique<ClassCache>(atlas),
-                         std::make_unique<VolumeAppearances>(*atlas),
-                         {}};
-  decoded.appearances->select(decoded.plan, selection);
-  SPLATLAS_RETURN_IF_ERROR(decoded.cache->require(volume_classes(decoded.plan), axis, pool));
-  decoded.runs = std::make_unique<SelectedRuns>(decoded.plan, atlas->classes(), *decoded.cache, axis);
-  return decoded;
-}
-
 Result<RenderStats> draw_frame(FrameScene scene, const SpanModel& spans, const Shear& shear,
                                FrameBuffers& buffers, Picture& picture, ThreadPool& pool) {
   scene.max_memory_bytes = std::numeric_limits<std::uint64_t>::max();

@@ -35,16 +35,6 @@ inline constexpr std::array kQualities{NamedQuality{"draft", Quality::kDraft},
 [[nodiscard]] Result<std::vector<Camera>> cameras_by_axis(const Camera& camera, int turns, int frames,
                                                           const Atlas& atlas);
 
-/// The decoded volumes of a selection along one axis, as input of the stages of the player.
-struct DecodedVolumes {
-  DrawPlan plan;
-  std::unique_ptr<ClassCache> cache;
-  std::unique_ptr<VolumeAppearances> appearances;  ///< per class of the plan
-  std::unique_ptr<SelectedRuns> runs;
-};
-[[nodiscard]] Result<DecodedVolumes> decode_volumes(const std::shared_ptr<const Atlas>& atlas,
-                                                    const Selection& selection, Axis axis, ThreadPool& pool);
-
 /// Runs the stages of the player, except the depth cue, without a limit of memory, and returns their
 /// statistics. kLimit as for the stages.
 [[nodiscard]] Result<RenderStats> draw_frame(FrameScene scene, const SpanModel& spans, const Shear& shear,

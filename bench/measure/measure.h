@@ -1,6 +1,7 @@
-// Interleaved measurement of contenders.
+// Interleaved measurement of contenders, and peak memory.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
@@ -37,5 +38,19 @@ using StageTimes = std::vector<std::vector<Elapsed>>;
 /// rotates from turn to turn. Stops at the first failure.
 [[nodiscard]] Result<std::vector<StageTimes>> measure_interleaved(std::span<const Contender> contenders,
                                                                   int turns);
+
+/// Peak resident memory of the process, from start() on. One instance at a time: the system keeps one peak
+/// per process.
+class PeakMemory {
+ public:
+  /// kFailed if the system has no peak that can be reset (Linux has).
+  [[nodiscard]] static Result<PeakMemory> start();
+  /// Peak resident bytes since start(), minus those at the start.
+  [[nodiscard]] Result<std::uint64_t> grown_bytes() const;
+
+ private:
+  explicit PeakMemory(std::uint64_t before) : before_(before) {}
+  std::uint64_t before_;
+};
 
 }  // namespace splatlas

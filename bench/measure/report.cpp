@@ -52,6 +52,19 @@ std::vector<std::string> column_cells(const Table& table, const std::string& nam
   return cells;
 }
 
+/// Title, aligned columns (numbers to the right) and notes.
+std::string to_text(const Table& table) {
+  std::vector<std::string> lines(table.rows.size() + 1);
+  for (const std::string& name : column_names(table)) {
+    const std::vector<std::string> cells = column_cells(table, name);
+    for (std::size_t n = 0; n < lines.size(); ++n) lines[n] += "  " + cells[n];
+  }
+  std::string text = table.title + "\n";
+  for (const std::string& line : lines) text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+  for (const std::string& note : table.notes) text += "  " + note + "\n";
+  return text;
+}
+
 std::string cpu_model() {
   std::ifstream info("/proc/cpuinfo");
   for (std::string line; std::getline(info, line);) {
@@ -88,18 +101,6 @@ void raise(nlohmann::ordered_json& summary, const std::string& key, double value
 
 void lower(nlohmann::ordered_json& summary, const std::string& key, double value) {
   if (!summary.contains(key) || summary[key].get<double>() > value) summary[key] = value;
-}
-
-std::string to_text(const Table& table) {
-  std::vector<std::string> lines(table.rows.size() + 1);
-  for (const std::string& name : column_names(table)) {
-    const std::vector<std::string> cells = column_cells(table, name);
-    for (std::size_t n = 0; n < lines.size(); ++n) lines[n] += "  " + cells[n];
-  }
-  std::string text = table.title + "\n";
-  for (const std::string& line : lines) text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
-  for (const std::string& note : table.notes) text += "  " + note + "\n";
-  return text;
 }
 
 std::string report_text(const Report& report) {

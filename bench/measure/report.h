@@ -33,10 +33,6 @@ void raise(nlohmann::ordered_json& summary, const std::string& key, double value
 /// Sets a number of the summary to `value` if it is missing or higher.
 void lower(nlohmann::ordered_json& summary, const std::string& key, double value);
 
-/// Title, aligned columns (numbers to the right) and notes. Non-integers have three to four significant
-/// digits.
-[[nodiscard]] std::string to_text(const Table& table);
-
 /// The tables and the summary, with the machine.
 [[nodiscard]] std::string report_text(const Report& report);
 

@@ -27,7 +27,7 @@ constexpr double kMinVoxelOpacity = 0;
 
 /// Voxel layout of VolPack: the two-byte field of the colour look-up comes first.
 struct RawVoxel {
-  std::uint16_t color_index;  // grey value; with hybrid shading, code of the normal or kUnlitIndex
+  std::uint16_t color_index;  // code of the normal, or kUnlitIndex
   std::uint8_t grey;
 };
 /// Colour look-up of voxels without a normal, behind those of all normals.
@@ -45,12 +45,6 @@ Result<void> check(vpContext* context, vpResult code, const char* what) {
   if (code == VP_OK) return {};
   return fail(ErrorCode::kFailed,
               fmt::format("VolPack: {}: {}", what, vpGetErrorString(vpGetError(context))));
-}
-
-/// Slightly above the nearest 255th, so that rounding down keeps it.
-double nearest_255th(double opacity) {
-  const double steps = std::round(255 * opacity);
-  return steps == 0 ? 0 : std::min(1.0, (steps + 0.01) / 255);
 }
 
 /// VolPack's code of every packed normal, as a direction in LPS.
@@ -111,8 +105,7 @@ struct VolpackPeer::Impl {
   Grid grid;
   std::unique_ptr<vpContext, DestroyContext> context{vpCreateContext()};
   std::array<float, 256> opacity{};
-  std::array<std::array<float, 3>, 256> color{};  // unlit
-  VolpackShading shading = VolpackShading::kUnlit;
+  std::array<std::array<float, 3>, 256> color{};                          // unlit
   std::vector<std::array<std::array<float, 3>, kMaterials>> shade_table;  // by code of the normal; then unlit
   std::array<std::array<float, kMaterials>, 256> weights{};               // by grey value
   std::array<float, 3> hue{};
@@ -120,30 +113,21 @@ struct VolpackPeer::Impl {
   PictureSize size;
   std::vector<std::uint8_t> rgba;
 
-  void set_appearance(const GreyAppearance& appearance, OpacityRounding rounding) {
+  void set_appearance(const GreyAppearance& appearance) {
     const Vec3& spacing = grid.spacing_mm;
     for (std::size_t grey = 0; grey < opacity.size(); ++grey) {
       const GreyAppearance::Knot knot = appearance.at(static_cast<double>(grey));
-      const double exact = -std::expm1(-knot.extinction_per_mm * spacing[0]);
-      opacity[grey] = static_cast<float>(rounding == OpacityRounding::kDown ? exact : nearest_255th(exact));
+      opacity[grey] = static_cast<float>(-std::expm1(-knot.extinction_per_mm * spacing[0]));
       for (std::size_t c = 0; c < 3; ++c) color[grey][c] = static_cast<float>(255 * knot.color[c]);
     }
   }
 
   /// Splits colours into a hue and the weight of a grey value.
-  Result<void> set_hue() {
-    const auto brightest = std::max_element(color.begin(), color.end());
-    hue = *brightest;
-    const auto channel = std::max_element(hue.begin(), hue.end()) - hue.begin();
-    const auto c = static_cast<std::size_t>(channel);
-    for (std::size_t grey = 0; grey < color.size(); ++grey) {
+  void set_hue() {
+    hue = *std::max_element(color.begin(), color.end());
+    const auto c = static_cast<std::size_t>(std::max_element(hue.begin(), hue.end()) - hue.begin());
+    for (std::size_t grey = 0; grey < color.size(); ++grey)
       weights[grey] = {hue[c] > 0 ? color[grey][c] / hue[c] : 0, 0};
-      for (std::size_t other = 0; other < 3; ++other) {
-        if (std::abs(weights[grey][0] * hue[other] - color[grey][other]) > 0.01f)
-          return fail(ErrorCode::kFailed, "VolPack lights one hue only; the colours of grey values differ");
-      }
-    }
-    return {};
   }
 
   /// Hybrid shading for a view, with the table filled by the caller, as VolPack's guide describes.
@@ -160,12 +144,7 @@ struct VolpackPeer::Impl {
 
   Result<void> set_shader() {
     vpContext* vp = context.get();
-    if (shading == VolpackShading::kUnlit) {
-      return check(
-          vp, vpSetLookupShader(vp, 3, 1, kColorField, color.front().data(), sizeof(color), 0, nullptr, 0),
-          "shader");
-    }
-    SPLATLAS_RETURN_IF_ERROR(set_hue());
+    set_hue();
     shade_table.assign(kUnlitIndex + 1, {});
     shade_table[kUnlitIndex][0] = hue;
     const std::size_t table_bytes = shade_table.size() * sizeof(shade_table.front());
@@ -182,14 +161,13 @@ struct VolpackPeer::Impl {
     SPLATLAS_RETURN_IF_ERROR(
         check(vp, vpSetVolumeSize(vp, static_cast<int>(nx), static_cast<int>(ny), static_cast<int>(nz)),
               "volume size"));
-    const bool lit = shading == VolpackShading::kHybrid;
-    const int shade_fields = lit ? 2 : 1;  // colour, and weight
+    constexpr int kShadeFields = 2;  // colour, and weight
     SPLATLAS_RETURN_IF_ERROR(
-        check(vp, vpSetVoxelSize(vp, sizeof(RawVoxel), 2, shade_fields, 1), "voxel size"));
-    SPLATLAS_RETURN_IF_ERROR(check(vp,
-                                   vpSetVoxelField(vp, kColorField, sizeof(std::uint16_t),
-                                                   offsetof(RawVoxel, color_index), lit ? kUnlitIndex : 255),
-                                   "field"));
+        check(vp, vpSetVoxelSize(vp, sizeof(RawVoxel), 2, kShadeFields, 1), "voxel size"));
+    SPLATLAS_RETURN_IF_ERROR(check(
+        vp,
+        vpSetVoxelField(vp, kColorField, sizeof(std::uint16_t), offsetof(RawVoxel, color_index), kUnlitIndex),
+        "field"));
     SPLATLAS_RETURN_IF_ERROR(check(
         vp, vpSetVoxelField(vp, kGreyField, sizeof(std::uint8_t), offsetof(RawVoxel, grey), 255), "field"));
     SPLATLAS_RETURN_IF_ERROR(
@@ -202,15 +180,11 @@ struct VolpackPeer::Impl {
 
   Result<void> classify(const MaskedVolume& volume) {
     std::vector<RawVoxel> voxels(volume.greys.size());
-    if (shading == VolpackShading::kUnlit) {
-      for (std::size_t n = 0; n < voxels.size(); ++n) voxels[n] = {volume.greys[n], volume.greys[n]};
-    } else {
-      const std::vector<std::uint16_t>& codes = codes_of_normals();
-      for (std::size_t n = 0; n < voxels.size(); ++n) {
-        const bool is_lit = volume.lit.empty() || volume.lit[n] >= 0.5;  // VolPack knows no shares
-        const std::int32_t normal = is_lit ? volume.normals[n] : MaskedVolume::kUnlit;
-        voxels[n] = {normal < 0 ? kUnlitIndex : codes[static_cast<std::size_t>(normal)], volume.greys[n]};
-      }
+    const std::vector<std::uint16_t>& codes = codes_of_normals();
+    for (std::size_t n = 0; n < voxels.size(); ++n) {
+      const bool is_lit = volume.lit.empty() || volume.lit[n] >= 0.5;  // VolPack knows no shares
+      const std::int32_t normal = is_lit ? volume.normals[n] : MaskedVolume::kUnlit;
+      voxels[n] = {normal < 0 ? kUnlitIndex : codes[static_cast<std::size_t>(normal)], volume.greys[n]};
     }
     vpContext* vp = context.get();
     const auto voxel_bytes = static_cast<int>(sizeof(RawVoxel));
@@ -226,26 +200,10 @@ struct VolpackPeer::Impl {
   }
 };
 
-Result<VolpackPeer> VolpackPeer::classify(const MaskedVolume& volume, const GreyAppearance& appearance,
-                                          OpacityRounding rounding, VolpackShading shading) {
-  const Grid& grid = volume.grid;
-  const Vec3& spacing = grid.spacing_mm;
-  if (spacing[0] != spacing[1] || spacing[1] != spacing[2]) {
-    return fail(ErrorCode::kFailed,
-                fmt::format("VolPack corrects opacities for cubic voxels only, not {} x {} x {} mm",
-                            spacing[0], spacing[1], spacing[2]));
-  }
-  if (*std::max_element(grid.size.begin(), grid.size.end()) > VP_MAX_VOLUME_DIM) {
-    return fail(ErrorCode::kFailed,
-                fmt::format("VolPack takes at most {} voxels along an axis, not {} x {} x {}",
-                            VP_MAX_VOLUME_DIM, grid.size[0], grid.size[1], grid.size[2]));
-  }
-  if (shading == VolpackShading::kHybrid && volume.normals.size() != volume.greys.size())
-    return fail(ErrorCode::kFailed, "VolPack lights voxels by their normals; the volume has none");
+Result<VolpackPeer> VolpackPeer::classify(const MaskedVolume& volume, const GreyAppearance& appearance) {
   auto impl = std::make_shared<Impl>();
-  impl->grid = grid;
-  impl->shading = shading;
-  impl->set_appearance(appearance, rounding);
+  impl->grid = volume.grid;
+  impl->set_appearance(appearance);
   SPLATLAS_RETURN_IF_ERROR(impl->set_up());
   SPLATLAS_RETURN_IF_ERROR(impl->classify(volume));
   return VolpackPeer(std::move(impl));
@@ -255,7 +213,7 @@ Result<void> VolpackPeer::render(const ParallelView& view) {
   vpContext* vp = impl_->context.get();
   const auto [width, height] = view.size;
   impl_->size = view.size;
-  if (impl_->shading == VolpackShading::kHybrid) impl_->fill_shade_table(view);
+  impl_->fill_shade_table(view);
   impl_->rgba.resize(4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   SPLATLAS_RETURN_IF_ERROR(
       check(vp, vpSetImage(vp, impl_->rgba.data(), width, height, 4 * width, VP_RGBA), "picture"));

@@ -12,32 +12,18 @@
 
 namespace splatlas {
 
-/// VolPack stores opacities as 255ths, rounded down: thin fog gets thinner, or vanishes.
-enum class OpacityRounding : std::uint8_t {
-  kDown,     ///< as VolPack is documented
-  kNearest,  ///< opacities passed as the nearest 255ths, the best that VolPack can do
-};
-
-/// Shading of boundary voxels.
-enum class VolpackShading : std::uint8_t {
-  kUnlit,
-  /// The model's diffuse factor by the normals of the volume, in VolPack's code for normals (7924
-  /// directions): a shade table for each direction of view, weighted by the shade of the grey value.
-  kHybrid,
-};
-
 /// VolPack 1.0 in its fastest mode: pre-classified runs along all three axes, look-up shading, opacities
 /// corrected for the view direction, early ray termination at an opacity of 0.999 (or as requested). One
-/// thread, parallel projection, 8-bit opacities and colours. Copies share their state.
+/// thread, parallel projection, 8-bit colours, and opacities rounded down to 255ths: thin fog vanishes.
+/// Copies share their state.
 class VolpackPeer {
  public:
-  /// Classifies: opacity 1 - exp(-extinction * voxel) and colour of every grey value. kFailed if voxels are
-  /// no cubes, a side exceeds the 1024 voxels of VolPack, or a volume to light has no normals or several
-  /// hues. Keeps no reference to the volume.
+  /// Classifies: opacity 1 - exp(-extinction * voxel) and colour of every grey value. Boundary voxels have
+  /// the model's diffuse factor by the normals of the volume, in VolPack's code for normals (7924
+  /// directions): a shade table for each direction of view, weighted by the shade of the grey value. Voxels
+  /// must be cubes, all colours of one hue. Keeps no reference to the volume.
   [[nodiscard]] static Result<VolpackPeer> classify(const reference::MaskedVolume& volume,
-                                                    const reference::GreyAppearance& appearance,
-                                                    OpacityRounding rounding,
-                                                    VolpackShading shading = VolpackShading::kUnlit);
+                                                    const reference::GreyAppearance& appearance);
 
   /// Draws into its own 8-bit picture. Fills the shade table if the view's lighting has changed.
   [[nodiscard]] Result<void> render(const ParallelView& view);

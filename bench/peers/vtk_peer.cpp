@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 
 #include <vtkActor.h>
@@ -27,6 +28,8 @@
 #include <vtkVolume.h>
 #include <vtkVolumeCollection.h>
 #include <vtkVolumeProperty.h>
+
+#include "tests/support/xvfb.h"
 
 namespace splatlas {
 namespace {
@@ -148,6 +151,20 @@ vtkSmartPointer<vtkPolyData> poly_data(const SurfaceMesh& mesh, const Grid& grid
 }
 
 }  // namespace
+
+Result<XServer> start_x_server() {
+  if (std::getenv("DISPLAY") != nullptr) return XServer();
+  const XvfbServer server = start_xvfb("Xvfb", "1280x1280x24");
+  XServer started(nullptr, [process = server.process](const void*) {
+    stop_xvfb(process);
+    unsetenv("DISPLAY");
+  });
+  if (server.display.empty()) {
+    return fail(ErrorCode::kFailed, "Xvfb does not start; install Debian's package xvfb, or set DISPLAY");
+  }
+  setenv("DISPLAY", server.display.c_str(), 1);
+  return started;
+}
 
 struct VtkPeer::Impl {
   PictureSize size;

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "format/content/surface.h"
+#include "format/result.h"
 #include "player/camera.h"
 #include "player/picture.h"
 #include "tests/reference/masked_volume.h"
@@ -13,13 +14,20 @@
 
 namespace splatlas {
 
+/// Ends Xvfb, which DISPLAY names until then.
+using XServer = std::shared_ptr<const void>;
+
+/// Starts Xvfb (Debian package xvfb) at a free display number, as VTK cannot draw without a display; once at
+/// a time. Starts nothing if DISPLAY is set. kFailed without Xvfb.
+[[nodiscard]] Result<XServer> start_x_server();
+
 enum class VtkVolumeMapper : std::uint8_t {
   kFixedPoint,  ///< vtkFixedPointVolumeRayCastMapper: on the CPU, two threads, 15 bits
   kGpu,         ///< vtkOpenGLGPUVolumeRayCastMapper, on the OpenGL of the display
 };
 
 /// An off-screen VTK window with volumes and surfaces. Unlit by default, no adjustment for frame rates, no
-/// multisampling. Needs a display (x_server.h). Both mappers interpolate grey values trilinearly and
+/// multisampling. Needs a display (start_x_server()). Both mappers interpolate grey values trilinearly and
 /// post-classify them. Copies share their state.
 class VtkPeer {
  public:

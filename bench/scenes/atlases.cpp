@@ -5,33 +5,33 @@
 #include <fmt/format.h>
 
 #include "format/result_macros.h"
-#include "preprocess/build/build_atlas.h"
 #include "tests/phantom/phantom_files.h"
 #include "tests/support/temporary_folder.h"
 
 namespace splatlas {
+
+Result<BuildReport> build_file(const SourceFiles& sources, const std::filesystem::path& output,
+                               bool compact) {
+  BuildOptions build;
+  build.sources = sources;
+  build.tool = "splatlas-bench";
+  build.output = output;
+  build.compact = compact;
+  return build_atlas(build);
+}
+
 namespace {
+
+const std::filesystem::path kTemplates = "/usr/share/mricron/templates";  // of mricron-data
 
 /// The folder may be removed on return: an open atlas needs no path.
 Result<std::shared_ptr<const Atlas>> build_and_open(const SourceFiles& sources, const char* title,
                                                     const TemporaryFolder& folder,
                                                     const BenchOptions& options) {
   options.tell(fmt::format("building the atlas of {}", title));
-  BuildOptions build;
-  build.sources = sources;
-  build.title = title;
-  build.tool = "splatlas-bench";
-  build.output = folder.path() / "bench.atlas";
-  SPLATLAS_RETURN_IF_ERROR(build_atlas(build));
-  return Atlas::open(build.output);
-}
-
-Result<void> check_installed(const std::filesystem::path& path) {
-  if (std::error_code error; std::filesystem::exists(path, error)) return {};
-  return fail(ErrorCode::kFailed,
-              fmt::format("{}: is missing; install Debian's package mricron-data, or give an atlas with "
-                          "--atlas",
-                          path.string()));
+  const std::filesystem::path file = folder.path() / "bench.atlas";
+  SPLATLAS_RETURN_IF_ERROR(build_file(sources, file));
+  return Atlas::open(file);
 }
 
 }  // namespace
@@ -48,28 +48,19 @@ Result<std::shared_ptr<const Atlas>> open_phantom(const BenchOptions& options) {
   return build_and_open(sources, "the phantom", folder, options);
 }
 
-std::filesystem::path templates_folder() {
-  return "/usr/share/mricron/templates";
-}
-
-Result<SourceFiles> aal_sources() {
+SourceFiles aal_sources() {
   SourceFiles sources;
-  sources.labels = templates_folder() / "aal.nii.gz";
-  sources.volume = templates_folder() / "ch2.nii.gz";
-  sources.names = templates_folder() / "aal.nii.txt";
-  for (const std::filesystem::path& path : {sources.labels, sources.volume, sources.names}) {
-    SPLATLAS_RETURN_IF_ERROR(check_installed(path));
-  }
+  sources.labels = kTemplates / "aal.nii.gz";
+  sources.volume = kTemplates / "ch2.nii.gz";
+  sources.names = kTemplates / "aal.nii.txt";
   return sources;
 }
 
 Result<SourceFiles> colin27_sources() {
-  SPLATLAS_ASSIGN_OR_RETURN(SourceFiles sources, aal_sources());
-  const std::filesystem::path brain = templates_folder() / "ch2bet.nii.gz";
-  SPLATLAS_RETURN_IF_ERROR(check_installed(brain));
+  SourceFiles sources = aal_sources();
   sources.tree = std::filesystem::path(SPLATLAS_SOURCE_DIR) / "preprocess/trees/colin27_aal.tree";
-  for (const std::string& rule :
-       {"Rest of brain=mask:" + brain.string(), std::string("Non-brain head=threshold:28:close=2")}) {
+  for (const std::string& rule : {"Rest of brain=mask:" + (kTemplates / "ch2bet.nii.gz").string(),
+                                  std::string("Non-brain head=threshold:28:close=2")}) {
     SPLATLAS_ASSIGN_OR_RETURN(SegmentRule segment, parse_segment(rule));
     sources.segments.push_back(std::move(segment));
   }

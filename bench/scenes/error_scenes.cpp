@@ -13,18 +13,15 @@
 namespace splatlas {
 namespace {
 
-/// Frames the bounding ball of the bounding box of all voxels that are not 0.
-void zoom_to(const reference::MaskedVolume& volume, const Display& display, Camera& camera) {
-  const Grid& grid = volume.grid;
+/// Frames the bounding ball of the bounding box of a selection.
+void zoom_to(const AtlasContent& content, const Selection& selection, Camera& camera) {
+  const Grid grid = storage_grid(content);
   IndexBox box;
-  for (std::int64_t k = 0; k < grid.size[2]; ++k) {
-    for (std::int64_t j = 0; j < grid.size[1]; ++j) {
-      for (std::int64_t i = 0; i < grid.size[0]; ++i) {
-        if (volume.at(i, j, k) != 0) box.include(Index3{i, j, k});
-      }
+  for (ClassId c = 0; c < content.classes.size(); ++c) {
+    for (const Membership& member : content.classes.members(c)) {
+      if (selection.structures[member.structure].mode != DrawMode::kOff) box.include(content.classes.box(c));
     }
   }
-  if (box.empty()) return;
   Vec3 middle{};
   double diagonal = 0;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -32,7 +29,7 @@ void zoom_to(const reference::MaskedVolume& volume, const Display& display, Came
     diagonal += std::pow(static_cast<double>(box.last[a] + 1 - box.first[a]) * grid.spacing_mm[a], 2);
   }
   camera.center_lps_mm = index_to_lps_mm(grid).apply(middle);
-  camera.zoom = display.radius_mm / (0.5 * std::sqrt(diagonal));
+  camera.zoom = content.display.radius_mm / (0.5 * std::sqrt(diagonal));
 }
 
 }  // namespace
@@ -85,7 +82,7 @@ Result<ErrorModel> error_model(const AtlasContent& content, const ErrorScene& sc
                                const ErrorAppearance& appearance) {
   SPLATLAS_ASSIGN_OR_RETURN(ErrorModel model,
                             error_model(content, selection_text(scene.structures, appearance.options)));
-  if (scene.fills_picture) zoom_to(model.volume, content.display, model.camera);
+  if (scene.fills_picture) zoom_to(content, model.selection, model.camera);
   return model;
 }
 

@@ -17,7 +17,7 @@ struct Region {
 struct Traversal {
   const char* figure;
   std::uint64_t volume, surface, hybrid;  ///< k_vol, k_sur, k_hyb
-  double printed_occupancy, cost_ratio;
+  double cost_ratio;
 };
 
 /// Occupancy by the counts of the row.
@@ -31,13 +31,12 @@ inline constexpr std::array<Region, 2> kTable1{{
     {"Sphere 1", "Sphere 1", 2705, 1440, 3704},
     {"Sphere 2", "Sphere 2", 437, 464, 1352},
 }};
-/// Rows 3 and 4 are printed with the two subtrees exchanged. The printed occupancy of row 2 counts interior
-/// voxels only.
+/// Rows 3 and 4 are printed with the two subtrees exchanged.
 inline constexpr std::array<Traversal, 4> kTable2{{
-    {"4a", 0, 1904, 0, 0.058, 0.283},
-    {"4b", 5046, 0, 0, 0.095, 0.359},
-    {"4c", 437, 1440, 464, 0.071, 0.325},
-    {"4d", 4145, 464, 0, 0.140, 0.362},
+    {"4a", 0, 1904, 0, 0.283},
+    {"4b", 5046, 0, 0, 0.359},
+    {"4c", 437, 1440, 464, 0.325},
+    {"4d", 4145, 464, 0, 0.362},
 }};
 
 inline constexpr std::uint64_t kHeadVoxels = std::uint64_t{190} * 220 * 178;
@@ -52,15 +51,14 @@ inline constexpr std::array<Region, 8> kTable3{{
     {"Left cerebellum cortex", "Left cerebellum", 60484, 16664, 53871},
     {"Non-brain head region", "Non-brain head", 4423855, 464540, 958439},
 }};
-/// Rows 5a and 6a include their surface voxels (16664 and 166951, by table 3) in the volume voxels. The
-/// printed occupancy of row 5b is ten times too large.
+/// Rows 5a and 6a include their surface voxels (16664 and 166951, by table 3) in the volume voxels.
 inline constexpr std::array<Traversal, 6> kTable4{{
-    {"5a", 862461, 16664, 0, 0.118, 0.294},
-    {"5b", 0, 166951, 0, 0.224, 0.194},
-    {"6a", 165956, 166951, 103513, 0.058, 0.291},
-    {"6b", 1020624, 106301, 161682, 0.172, 0.469},
-    {"7a", 1235910, 0, 100554, 0.179, 0.447},
-    {"7b", 4936479, 83890, 0, 0.674, 0.867},
+    {"5a", 862461, 16664, 0, 0.294},
+    {"5b", 0, 166951, 0, 0.194},
+    {"6a", 165956, 166951, 103513, 0.291},
+    {"6b", 1020624, 106301, 161682, 0.469},
+    {"7a", 1235910, 0, 100554, 0.447},
+    {"7b", 4936479, 83890, 0, 0.867},
 }};
 
 }  // namespace splatlas::paper

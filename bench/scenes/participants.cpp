@@ -1,6 +1,6 @@
 #include "bench/scenes/participants.h"
 
-#include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -36,10 +36,8 @@ Result<void> add_ours(const ErrorTask& task, Classification classification, unsi
     const RenderOptions options{.size = task.size,
                                 .quality = setting.quality,
                                 .classification = classification,
-                                .hybrid_shading = task.lit(),
                                 .antialiasing = setting.antialiasing};
     Participant& participant = participants.emplace_back();
-    participant.compared_lit = task.lit();
     participant.cost = {rays ? "splatlas rays" : "splatlas", setting.name, threads};
     participant.draw = [ours, options, rays](Camera camera) {
       if (rays) {
@@ -62,15 +60,11 @@ Result<void> add_ours(const ErrorTask& task, Classification classification, unsi
   return {};
 }
 
-Result<void> add_volpack(const ErrorTask& task, OpacityRounding rounding,
-                         std::vector<Participant>& participants) {
-  SPLATLAS_ASSIGN_OR_RETURN(
-      VolpackPeer volpack,
-      VolpackPeer::classify(task.model.volume, task.model.appearance, rounding,
-                            task.lit() ? VolpackShading::kHybrid : VolpackShading::kUnlit));
+Result<void> add_volpack(const ErrorTask& task, std::vector<Participant>& participants) {
+  SPLATLAS_ASSIGN_OR_RETURN(VolpackPeer volpack,
+                            VolpackPeer::classify(task.model.volume, task.model.appearance));
   Participant& participant = participants.emplace_back();
-  participant.compared_lit = task.lit();
-  participant.cost = {"VolPack", rounding == OpacityRounding::kDown ? "classified" : "rounded"};
+  participant.cost = {"VolPack", "classified"};
   participant.draw = [volpack, task](const Camera& camera) mutable -> Result<void> {
     SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view, task.view(camera));
     return volpack.render(view);
@@ -83,7 +77,7 @@ Result<void> add_vtk(const ErrorTask& task, VtkVolumeMapper mapper, double step_
                      std::vector<Participant>& participants) {
   VtkPeer vtk(task.size);
   vtk.add_volume(task.model.volume, task.model.appearance, mapper, step_mm);
-  vtk.shade_volumes(task.lit());
+  vtk.shade_volumes(true);
   Participant& participant = participants.emplace_back();
   participant.cost = {mapper == VtkVolumeMapper::kGpu ? "VTK GPU" : "VTK FixedPoint",
                       fmt::format("step {}", step_mm), 2};
@@ -93,32 +87,15 @@ Result<void> add_vtk(const ErrorTask& task, VtkVolumeMapper mapper, double step_
     return {};
   };
   participant.picture = [vtk] { return vtk.picture(); };
-  participant.compared_lit = false;
-  if (task.lit()) {
-    participant.draw_unlit = [vtk, task](const Camera& camera) mutable -> Result<void> {
-      SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view, task.view(camera));
-      vtk.shade_volumes(false);
-      vtk.render(PerspectiveView{view, kVerticalFovDeg});
-      vtk.shade_volumes(true);
-      return {};
-    };
-  }
+  participant.draw_unlit = [vtk, task](const Camera& camera) mutable -> Result<void> {
+    SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view, task.view(camera));
+    vtk.shade_volumes(false);
+    vtk.render(PerspectiveView{view, kVerticalFovDeg});
+    vtk.shade_volumes(true);
+    return {};
+  };
   return participant.draw(task.camera(0));
 }
-
-namespace {
-
-/// Adds the error of the latest picture. `rms` holds the mean square until the last view.
-void add_error(const Participant& participant, const ReferencePicture& expected, int views_compared,
-               PictureDifference& mean) {
-  const PictureDifference d = difference(participant.picture(), expected);
-  mean.rms += d.rms * d.rms / views_compared;
-  mean.mean += d.mean / views_compared;
-  mean.largest = std::max(mean.largest, d.largest);
-  mean.pixels += d.pixels;
-}
-
-}  // namespace
 
 Result<void> compare(std::vector<Participant>& participants, const ErrorTask& task,
                      Classification classification, int views_compared) {
@@ -130,50 +107,33 @@ Result<void> compare(std::vector<Participant>& participants, const ErrorTask& ta
                ? render_grey_truth(truth, grid, view, 0)
                : render_grey_truth(truth, grid, PerspectiveView{view, kVerticalFovDeg}, 0);
   };
-  for (Participant& participant : participants) participant.cost.error = {};
   for (int n = 0; n < views_compared; ++n) {
     const Camera camera = task.camera(2 * n);
     SPLATLAS_ASSIGN_OR_RETURN(const ParallelView view, task.view(camera));
-    for (const bool lit : {true, false}) {
-      std::optional<ReferencePicture> expected;
-      for (Participant& participant : participants) {
-        if (participant.compared_lit != lit) continue;
-        if (!expected) expected = truth_of(view, lit);
-        SPLATLAS_RETURN_IF_ERROR(participant.draw_unlit ? participant.draw_unlit(camera)
-                                                        : participant.draw(camera));
-        add_error(participant, *expected, views_compared, participant.cost.error);
-      }
+    std::array<std::optional<ReferencePicture>, 2> truths;  // unlit, lit
+    for (Participant& participant : participants) {
+      const bool lit = participant.draw_unlit == nullptr;
+      if (!truths[lit ? 1 : 0]) truths[lit ? 1 : 0] = truth_of(view, lit);
+      SPLATLAS_RETURN_IF_ERROR(lit ? participant.draw(camera) : participant.draw_unlit(camera));
+      const PictureDifference d = difference(participant.picture(), *truths[lit ? 1 : 0]);
+      PictureDifference& error = participant.cost.error;
+      error.rms = std::sqrt(error.rms * error.rms + d.rms * d.rms / views_compared);
+      error.mean += d.mean / views_compared;
     }
   }
-  for (Participant& participant : participants)
-    participant.cost.error.rms = std::sqrt(participant.cost.error.rms);
   return {};
 }
 
 Result<std::vector<RendererCost>> take_times(std::vector<Participant> participants, const ErrorTask& task) {
   std::vector<Contender> contenders;
-  for (const Participant& participant : participants) {
-    contenders.emplace_back([&](int turn) -> Result<std::vector<Elapsed>> {
-      const Camera camera = task.camera(turn);
-      Stopwatch watch;
-      SPLATLAS_RETURN_IF_ERROR(participant.draw(camera));
-      const Elapsed frame = watch.lap();
-      if (!participant.stats) return std::vector{frame};
-      const RenderStats& stats = *participant.stats();
-      return std::vector{frame, stats.traversal, stats.rasterize, stats.sheets, stats.resolve};
-    });
-  }
+  for (const Participant& participant : participants)
+    contenders.push_back(timed([&](int turn) { return participant.draw(task.camera(turn)); }));
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StageTimes> times,
                             measure_interleaved(contenders, task.turns()));
   std::vector<RendererCost> costs;
   for (std::size_t n = 0; n < participants.size(); ++n) {
-    RendererCost& cost = costs.emplace_back(std::move(participants[n].cost));
-    cost.frame = median(times[n][0]);
-    if (times[n].size() == 1) continue;
-    cost.traversal = median(times[n][1]);
-    cost.rasterize = median(times[n][2]);
-    cost.sheets = median(times[n][3]);
-    cost.resolve = median(times[n][4]);
+    costs.push_back(std::move(participants[n].cost));
+    costs.back().frame = median(times[n][0]);
   }
   return costs;
 }

@@ -21,9 +21,8 @@ struct RendererCost {
   std::string renderer;  ///< "splatlas", "splatlas rays", "VolPack", "VTK FixedPoint", "VTK GPU", ...
   std::string setting;   ///< quality, or sample distance
   unsigned threads = 1;
-  Elapsed frame = {};                                                 ///< medians over frames
-  Elapsed traversal = {}, rasterize = {}, sheets = {}, resolve = {};  ///< parts of it; ours only
-  reference::PictureDifference error = {};  ///< of full scale, over the compared views
+  Elapsed frame = {};                       ///< medians over frames
+  reference::PictureDifference error = {};  ///< RMS and mean of full scale, over the compared views
 };
 
 /// A renderer, with selection, decoding, classification and upload done.
@@ -31,17 +30,9 @@ struct Participant {
   RendererCost cost;
   std::function<Result<void>(const Camera& camera)> draw;
   std::function<Picture()> picture;  ///< latest picture
-  /// Shading in `picture`: that of the model, or none. The error is measured against the same.
-  bool compared_lit = true;
-  /// Draws for the comparison if draw() has a shading of its own.
+  /// Draws for the comparison, with unlit truth, if draw() has a shading of its own.
   std::function<Result<void>(const Camera& camera)> draw_unlit = nullptr;
   std::function<const RenderStats*()> stats = nullptr;  ///< statistics of the latest picture; may be empty
-};
-
-/// Shading of a task's pictures.
-enum class TaskShading : std::uint8_t {
-  kDefault,  ///< hybrid shading, which users get by default; peers have theirs
-  kUnlit,
 };
 
 /// Inputs of all participants. References must outlive them.
@@ -50,9 +41,7 @@ struct ErrorTask {
   const ErrorModel& model;
   PictureSize size;
   int frames = 7, repeats = 1;
-  TaskShading shading = TaskShading::kDefault;
 
-  [[nodiscard]] bool lit() const { return shading == TaskShading::kDefault; }
   [[nodiscard]] int turns() const { return frames * repeats; }
   [[nodiscard]] Camera camera(int turn) const { return turned(model.camera, turn, frames); }
   [[nodiscard]] Result<ParallelView> view(const Camera& camera) const {
@@ -71,8 +60,7 @@ inline constexpr double kVerticalFovDeg = 30;
                                     std::span<const NamedQuality> settings = kQualities);
 
 /// Adds VolPack, with the shading of the model. Classifies in advance.
-[[nodiscard]] Result<void> add_volpack(const ErrorTask& task, OpacityRounding rounding,
-                                       std::vector<Participant>& participants);
+[[nodiscard]] Result<void> add_volpack(const ErrorTask& task, std::vector<Participant>& participants);
 
 /// Adds VTK in perspective. It shades by the gradient of the grey values, which is not the model's shading:
 /// its error is that of unlit pictures. Draws once in advance.

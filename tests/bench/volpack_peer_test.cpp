@@ -21,7 +21,13 @@ using reference::ReferencePicture;
 
 const Display kDisplay{.center_lps_mm = {19.5, 24.5, 29.5}, .radius_mm = 45};
 
-const MaskedVolume kEmpty{{.size = {40, 50, 60}}, std::vector<std::uint8_t>(40 * 50 * 60)};
+/// Without light.
+MaskedVolume empty_volume() {
+  MaskedVolume volume{{.size = {40, 50, 60}}, std::vector<std::uint8_t>(40 * 50 * 60)};
+  volume.normals.assign(volume.greys.size(), MaskedVolume::kUnlit);
+  return volume;
+}
+const MaskedVolume kEmpty = empty_volume();
 
 constexpr std::array<std::array<double, 2>, 7> kViews{
     {{0, 0}, {90, 0}, {30, 20}, {120, -35}, {0, 80}, {200, 10}, {-60, -70}}};
@@ -32,7 +38,7 @@ TEST(VolpackPeer, ShowsABoxWhereItIs) {
   MaskedVolume volume = kEmpty;
   put_box(volume, {5, 10, 12}, 3, 255);
   const GreyAppearance appearance{{{0, 0, {1, 1, 1}}, {255, 0.3, {1, 1, 1}}}};
-  auto peer = VolpackPeer::classify(volume, appearance, OpacityRounding::kDown);
+  auto peer = VolpackPeer::classify(volume, appearance);
   ASSERT_TRUE(peer);
   const GreyTruth truth(volume, appearance, Classification::kBefore);
   for (const auto& [azimuth, elevation] : kViews) {
@@ -55,30 +61,26 @@ TEST(VolpackPeer, HidesWhatIsBehind) {
   put_box(volume, {14, 8, 24}, 12, 100);   // anterior
   put_box(volume, {14, 30, 24}, 12, 200);  // posterior
   const GreyAppearance appearance{
-      {{0, 0, {1, 0, 0}}, {99, 3, {1, 0, 0}}, {101, 3, {1, 0, 0}}, {199, 3, {0, 1, 0}}}};
-  auto peer = VolpackPeer::classify(volume, appearance, OpacityRounding::kDown);
+      {{0, 0, {1, 0.5, 0}}, {99, 3, {1, 0.5, 0}}, {101, 3, {1, 0.5, 0}}, {199, 3, {0.5, 0.25, 0}}}};
+  auto peer = VolpackPeer::classify(volume, appearance);
   ASSERT_TRUE(peer);
   const auto middle_of = [&](double azimuth) {
     EXPECT_TRUE(peer->render(*parallel_view({.azimuth_deg = azimuth}, {100, 100}, kDisplay)));
     return peer->picture().at(50, 50);
   };
-  EXPECT_THAT(middle_of(0), testing::Pointwise(testing::FloatNear(0.01f), {1.0f, 0.0f, 0.0f, 1.0f}));
-  EXPECT_THAT(middle_of(180), testing::Pointwise(testing::FloatNear(0.01f), {0.0f, 1.0f, 0.0f, 1.0f}));
+  EXPECT_THAT(middle_of(0), testing::Pointwise(testing::FloatNear(0.01f), {1.0f, 0.5f, 0.0f, 1.0f}));
+  EXPECT_THAT(middle_of(180), testing::Pointwise(testing::FloatNear(0.01f), {0.5f, 0.25f, 0.0f, 1.0f}));
 }
 
-/// 20 voxels of opacity 1.6/255: 1/255 rounded down, 2/255 rounded to nearest.
-TEST(VolpackPeer, RoundsThinOpacitiesAsTold) {
+/// 20 voxels of opacity 1.6/255: 1/255 rounded down.
+TEST(VolpackPeer, RoundsThinOpacitiesDown) {
   MaskedVolume volume = kEmpty;
   put_box(volume, {10, 15, 20}, 20, 255);
   const GreyAppearance appearance{{{0, 0, {1, 1, 1}}, {255, -std::log1p(-1.6 / 255), {1, 1, 1}}}};
-  const auto middle_with = [&](OpacityRounding rounding) {
-    auto peer = VolpackPeer::classify(volume, appearance, rounding);
-    EXPECT_TRUE(peer);
-    EXPECT_TRUE(peer->render(*parallel_view(Camera{}, {100, 100}, kDisplay)));
-    return peer->picture().at(50, 50)[3];
-  };
-  EXPECT_NEAR(middle_with(OpacityRounding::kDown), 1 - std::pow(1 - 1.0 / 255, 20), 1.0 / 255);
-  EXPECT_NEAR(middle_with(OpacityRounding::kNearest), 1 - std::pow(1 - 2.0 / 255, 20), 1.0 / 255);
+  auto peer = VolpackPeer::classify(volume, appearance);
+  ASSERT_TRUE(peer);
+  ASSERT_TRUE(peer->render(*parallel_view(Camera{}, {100, 100}, kDisplay)));
+  EXPECT_NEAR(peer->picture().at(50, 50)[3], 1 - std::pow(1 - 1.0 / 255, 20), 1.0 / 255);
 }
 
 /// Red light of the quarters of a picture.
@@ -127,8 +129,10 @@ MaskedVolume ball_with_normals() {
 TEST(VolpackPeer, LightsBoundaryVoxelsAsTheModelDoes) {
   const MaskedVolume volume = ball_with_normals();
   const GreyAppearance appearance{{{0, 0, {0.25, 0.125, 0}}, {255, 0.5, {1, 0.5, 0}}}};
-  auto lit = VolpackPeer::classify(volume, appearance, OpacityRounding::kNearest, VolpackShading::kHybrid);
-  auto unlit = VolpackPeer::classify(volume, appearance, OpacityRounding::kNearest);
+  MaskedVolume without_normals = volume;
+  without_normals.normals.assign(volume.normals.size(), MaskedVolume::kUnlit);
+  auto lit = VolpackPeer::classify(volume, appearance);
+  auto unlit = VolpackPeer::classify(without_normals, appearance);
   ASSERT_TRUE(lit && unlit);
   for (const auto& [azimuth, elevation] : kViews) {
     SCOPED_TRACE(testing::Message() << azimuth << " " << elevation);
@@ -144,28 +148,6 @@ TEST(VolpackPeer, LightsBoundaryVoxelsAsTheModelDoes) {
       EXPECT_NEAR(with[n] / without[n], expected_with[n] / expected_without[n], 0.015) << n;
     }
   }
-}
-
-TEST(VolpackPeer, RefusesWhatItCannotDrawRight) {
-  const GreyAppearance appearance{{{0, 0, {1, 1, 1}}, {255, 1, {1, 1, 1}}}};
-  MaskedVolume flat = kEmpty;
-  flat.grid.spacing_mm = {1, 1, 2};
-  const auto anisotropic = VolpackPeer::classify(flat, appearance, OpacityRounding::kDown);
-  ASSERT_FALSE(anisotropic);
-  EXPECT_THAT(anisotropic.error().message, testing::HasSubstr("1 x 1 x 2 mm"));
-  const MaskedVolume lengthy{{.size = {2000, 1, 1}}, std::vector<std::uint8_t>(2000)};
-  const auto too_long = VolpackPeer::classify(lengthy, appearance, OpacityRounding::kDown);
-  ASSERT_FALSE(too_long);
-  EXPECT_THAT(too_long.error().message, testing::HasSubstr("2000 x 1 x 1"));
-  const auto lit = [&](const MaskedVolume& volume, const GreyAppearance& colors) {
-    const auto peer = VolpackPeer::classify(volume, colors, OpacityRounding::kDown, VolpackShading::kHybrid);
-    return peer ? "" : peer.error().message;
-  };
-  EXPECT_THAT(lit(kEmpty, appearance), testing::HasSubstr("has none"));
-  MaskedVolume outside = kEmpty;
-  outside.normals.assign(outside.greys.size(), MaskedVolume::kOutside);
-  EXPECT_THAT(lit(outside, {{{0, 0, {1, 0, 0}}, {255, 1, {0, 1, 0}}}}), testing::HasSubstr("one hue"));
-  EXPECT_EQ(lit(outside, appearance), "");
 }
 
 }  // namespace

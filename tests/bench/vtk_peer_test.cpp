@@ -5,7 +5,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "bench/peers/x_server.h"
 #include "tests/bench/peer_pictures.h"
 #include "tests/reference/grey_truth.h"
 

@@ -1,7 +1,8 @@
-// Enlarged atlases for measurements of scaling.
+// Larger and smaller atlases made of another.
 #pragma once
 
 #include "format/content/atlas_content.h"
+#include "format/content/selection.h"
 
 namespace splatlas {
 
@@ -14,5 +15,10 @@ namespace splatlas {
 /// The same structures on a finer grid of `size` voxels by nearest neighbour, otherwise as surrounded(). No
 /// side may shrink.
 [[nodiscard]] AtlasContent refined(const AtlasContent& content, const Index3& size);
+
+/// The content reduced to the structures of the selection: no other class, surface or grey value (0 instead).
+/// Structures that are not drawn stay in the graph, without voxels. Unlit and lit pictures of the selection
+/// stay the same.
+[[nodiscard]] AtlasContent isolated(const AtlasContent& content, const Selection& selection);
 
 }  // namespace splatlas
