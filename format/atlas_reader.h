@@ -39,8 +39,8 @@ enum class SurfaceChoice : std::uint8_t {
 
 /// Options of Atlas::open().
 struct AtlasOptions {
-  /// Factor of the limit of work (WorkBudget). Raise it for giants that you trust, lower it for strangers'
-  /// files.
+  /// Factor of the limit of work (WorkBudget). Raise it for very large files, lower it for untrusted
+  /// ones.
   double max_work = 1;
   std::uint64_t memory_bytes = 0;  ///< memory that the process may use; 0: the machine's
   SurfaceChoice surfaces = SurfaceChoice::kAsInFile;

@@ -8,17 +8,16 @@ help() {
   cat <<'HELP'
 Usage: scripts/test.sh [--quick | --all | --help]
 
-  (no option)  The checks of CI, in about half an hour from nothing on two cores: layers, layout and size of the
-               sources; web module; release build and tests; clang-tidy over recent changes; player without ITK and VTK,
-               installed and used; address and undefined behaviour sanitizers.
-  --quick      For daily work, within five minutes of a recent build: layers, layout, size, release build and tests,
-               clang-tidy over changes since origin/HEAD.
-  --all        Every check, in some hours: all tests of the release build, of each source compiled alone (preset dev),
-               and of the player without ITK and VTK; clang-tidy over every source; both sanitizers with the tests of
-               format and player, the first also with those of preprocess; an hour of fuzzing. Under sanitizers, tests
-               repeat random cases less often (tests/support/repetitions.h).
+  (no option)  The checks of CI, in 25 minutes from nothing on two idle cores: layers, layout and size of the sources;
+               programs, and their tests as users have them; clang-tidy over recent changes; tests of format, player and
+               preprocess by Clang with address and undefined behaviour sanitizers.
+  --quick      For daily work: the same without sanitizers, and clang-tidy over changes since origin/HEAD.
+  --all        Every check at full length, in some hours: all tests of the release build and a short run of each
+               benchmark; clang-tidy over every source; each source compiled alone (preset dev); the player without ITK
+               and VTK; both sanitizers; an hour of fuzzing.
 
-Every form ends with `N passed, 0 failed`; a failure ends it with the name of the step and an exit status other than 0.
+SPLATLAS_TEST_INTENSITY, a variable of CMake, is the length of random series: 1, or 3 with --all. Every form ends with
+`N passed, 0 failed`; a failure ends it with the name of the step and an exit status other than 0.
 HELP
 }
 
@@ -45,15 +44,16 @@ if ((room >= 4 << 20)); then export TMPDIR=/dev/shm; fi
 
 # build PRESET [TARGET]...: these targets, or all.
 build() {
-  configure "$1"
+  configure "$1" -DSPLATLAS_TEST_INTENSITY=$intensity
   "${launcher[@]}" cmake --build --preset "$1" ${2:+--target "${@:2}"}
 }
 
-# Programs with their module for pages, tests and benches.
+# build_release [TARGET]...: after the demo, the build has no tests yet.
 build_release() {
   configure_web_module
-  cmake --preset release -DSPLATLAS_BUILD_TESTS=ON -DSPLATLAS_BUILD_BENCH=ON --log-level=NOTICE >/dev/null  # after the demo
-  build release
+  cmake --preset release -DSPLATLAS_BUILD_TESTS=ON -DSPLATLAS_BUILD_BENCH=ON -DSPLATLAS_TEST_INTENSITY=$intensity \
+    --log-level=NOTICE >/dev/null
+  build release "$@"
 }
 
 # run_tests PRESET [CTEST_OPTION]...: all tests, or those that the options select. No test at all is a failure. A shard
@@ -68,39 +68,48 @@ run_tests() {
   passed=$((passed + total))
 }
 
-# Without ITK and VTK. The objects are those of the release build, so their tests need not run twice.
-build_player_only() { build player-only splatlas-player splatlas-phantom-atlas; }
+# The player needs neither ITK nor VTK: its build files do not look for them, and it is not linked with them.
+check_player_alone() {
+  configure player-only
+  scripts/check_layers.sh build/release/bin/splatlas-player
+}
 
 # Debian 12's thread sanitizer fails on kernels that randomise more address bits than it expects.
 fix_addresses() { ! setarch -R true 2>/dev/null || launcher=(setarch -R); }
+
+readonly layers='^(format|player|reference|preprocess)$'
+readonly programs='^(system|window|web|batch|faults|installed)$'
+
+intensity=1
+[[ $form != all ]] || intensity=3
 
 step "Packages" scripts/install_packages.sh
 step "Layers of the sources" scripts/check_layers.sh
 step "Layout of the sources" scripts/check_format.sh
 step "Size of the sources" scripts/check_size.sh
-step "Release: build" build_release
-step "Release: tests" run_tests release
-
+if [[ $form != all ]]; then
+  step "Programs and their tests: build" \
+    build_release checks-system checks-window checks-web checks-batch checks-faults checks-installed
+  step "Player without ITK and VTK" check_player_alone
+  step "Programs: tests" run_tests release --label-regex "$programs"
+fi
 if [[ $form == quick ]]; then
   step "clang-tidy" scripts/check_tidy.sh --changed-since origin/HEAD
 elif [[ $form == usual ]]; then
   step "clang-tidy" scripts/check_tidy.sh --recent
-  step "Player without ITK and VTK: build" build_player_only
-  step "Player without ITK and VTK: tests" run_tests player-only --label-regex '^installed$'
-  step "Player without ITK and VTK: linked libraries" scripts/check_layers.sh build/player-only/bin/splatlas-player
-  step "Address and undefined behaviour sanitizers: build" build asan-ubsan checks-format checks-player checks-preprocess
-  step "Address and undefined behaviour sanitizers: tests" \
-    run_tests asan-ubsan --label-regex '^(format|player|preprocess)$'
+  step "Layers with sanitizers: build" build asan-ubsan checks-format checks-player checks-reference checks-preprocess
+  step "Layers with sanitizers: tests" run_tests asan-ubsan --label-regex "$layers"
 else
+  step "Release: build" build_release
+  step "Release: tests" run_tests release
   step "clang-tidy" scripts/check_tidy.sh
   step "Each source alone: build" build dev
   step "Each source alone: tests" run_tests dev
   step "Player without ITK and VTK: build" build player-only
   step "Player without ITK and VTK: tests" run_tests player-only
-  step "Player without ITK and VTK: linked libraries" scripts/check_layers.sh build/player-only/bin/splatlas-player
+  step "Player without ITK and VTK" check_player_alone
   step "Address and undefined behaviour sanitizers: build" build asan-ubsan
-  step "Address and undefined behaviour sanitizers: tests" \
-    run_tests asan-ubsan --label-regex '^(format|player|preprocess)$'
+  step "Address and undefined behaviour sanitizers: tests" run_tests asan-ubsan --label-regex "$layers"
   fix_addresses
   step "Thread sanitizer: build" build tsan
   step "Thread sanitizer: tests" run_tests tsan --label-regex '^(format|player)$'
@@ -109,6 +118,10 @@ else
 fi
 
 tell_times
+read -ra used <<<"$(now_in_seconds)"
+if [[ $form == usual ]] && ((used[1] > 50 * 60)); then
+  printf '    The whole took more than 50 minutes of CPU: 25 on two cores. Which step grew?\n'
+fi
 printf '\nTests\n'
 printf '    %s\n' "${totals[@]}"
 printf '\n%d passed, 0 failed\n' "$passed"

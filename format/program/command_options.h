@@ -132,7 +132,7 @@ inline CLI::Option* add_max_work(CLI::App& app, double& max_work) {
   return add_parsed(
              app, "--max-work", max_work, parse, "must be a number from 0.001 to 1e9",
              "limit of time and memory for the file, in multiples of the usual one (30 s of one core, 2 GiB, "
-             "more for large files): below 1 for files of strangers, above for giants")
+             "more for large files): below 1 for untrusted files, above 1 for very large ones")
       ->default_str(fmt::to_string(max_work));
 }
 

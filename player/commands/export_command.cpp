@@ -38,9 +38,9 @@ namespace {
 constexpr const char* kExportFooter =
     "The page is one file. Browsers open it from a disk or a server, without a network. It needs WebAssembly "
     "with\n"
-    "SIMD and exceptions; elsewhere it shows its opening picture. docs/web.md tells how to use it.\n"
+    "SIMD and exceptions; elsewhere it shows its opening picture. docs/web.md explains its use.\n"
     "\n"
-    "--site writes a folder for any static web server: the page reads from the atlas what it shows, by "
+    "--site writes a folder for any static web server: the page fetches only what it shows, by HTTP "
     "range\n"
     "requests. Several atlases get a catalogue, index.html.\n"
     "\n"

@@ -33,8 +33,8 @@ namespace {
 constexpr const char* kRenderFooter =
     "Selection text: terms joined by '+', removals by '-':\n"
     "  NAME[:surface|:volume|:both][(opacity=0.4,color=#ff8800)]\n"
-    "NAME is a structure's id, name or path (Brain/Cerebellum/Left), '*' stands for any characters;\n"
-    "quote it where it holds a blank, a sign or a colon. A node selects all its descendants.\n"
+    "NAME is a structure's id, name or path (Brain/Cerebellum/Left), '*' stands for any characters.\n"
+    "Quote names that contain spaces, operators or colons. A group selects its descendants.\n"
     "#17 in place of NAME is the structure with label 17; rest is everything that no other term names.\n"
     "The default mode is volume; 'both' is a volume with its surface.\n"
     "Options; the last four are for volumes only:\n"

@@ -30,7 +30,7 @@ constexpr std::array kHelp{
     Help{"Arrow keys", "turn by 15 degrees"},
     Help{"A  P  L  R  S  I", "anterior, posterior, left, right, superior, inferior"},
     Help{"Page down, Page up", "next scene of the atlas, scene before"},
-    Help{"D", "depth: darker behind what is near, and in furrows"},
+    Help{"D", "toggle depth darkening"},
     Help{"Click", "choose a structure"},
     Help{"O", "isolate the chosen structure (only it)"},
     Help{"G", "ghost the others"},

@@ -251,7 +251,7 @@ void view_toolbar(Session& session, UiState& ui, LayoutLog& layout) {
   bool edges = session.depth_cue() == DepthCue::kEdges;
   if (ImGui::Checkbox("Depth", &edges)) session.set_depth_cue(edges ? DepthCue::kEdges : DepthCue::kNone);
   layout.item("depth");
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("darker behind what is near, and in furrows (D)");
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("depth darkening (D)");
 
   const ImGuiStyle& style = ImGui::GetStyle();
   const float save = ImGui::CalcTextSize("Save picture").x + 2 * style.FramePadding.x;

@@ -48,7 +48,7 @@ Tree: )";
 
 constexpr const char* kBuildExamplesEnd = R"(
 
-Segments: voxels that no structure holds yet get one of their own, in the order of the command line.
+Segments: each --segment claims unassigned voxels, in command-line order.
   NAME=mask:FILE[:open=MM][:overlap]    non-zero voxels of another volume; an opening with a ball of radius MM removes
                                         thin parts that other structures leave; with :overlap also voxels of others
   NAME=threshold:LOW[:HIGH][:close=MM]  grey values from LOW to HIGH: the largest connected piece, gaps up to twice

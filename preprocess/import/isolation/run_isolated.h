@@ -1,4 +1,4 @@
-// Isolation of readers of strangers' files: a forked child with limits of memory and time.
+// Isolation of readers of untrusted files: a forked child with limits of memory and time.
 #pragma once
 
 #include <algorithm>
