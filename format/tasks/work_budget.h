@@ -13,8 +13,8 @@ namespace splatlas {
 class WorkBudget {
  public:
   /// `file_bytes`: of the sections that a reader knows. `max_work` scales both limits, the memory to a
-  /// quarter at least: below 1 for untrusted files, above 1 for very large ones. `machine_bytes`: the machine's
-  /// memory.
+  /// quarter at least: below 1 for untrusted files, above 1 for very large ones. `machine_bytes`: the
+  /// machine's memory.
   WorkBudget(std::string file_name, std::uint64_t file_bytes, double max_work, std::uint64_t machine_bytes);
 
   /// CPU time of all threads together: 30 s for files up to 1 MiB, and 10 microseconds for each further byte.

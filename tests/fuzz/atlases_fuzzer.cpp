@@ -169,7 +169,8 @@ void fuzz_atlases(FuzzInput input) {
 }
 
 /// Each of verify(), two pictures and read_all() may take kLimit, and writing again and opening as much.
-const FuzzTarget kAtlases("atlases", fuzz_atlases, InputLimit{.floor = {8, 96 << 20}, .per_byte = {50e-6, 4096}});
+const FuzzTarget kAtlases("atlases", fuzz_atlases,
+                          InputLimit{.floor = {8, 96 << 20}, .per_byte = {50e-6, 4096}});
 
 }  // namespace
 }  // namespace splatlas

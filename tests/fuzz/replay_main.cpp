@@ -30,7 +30,9 @@ std::vector<fs::path> files_of(const fs::path& path) {
 int main(int argc, char** argv) {
   const splatlas::FuzzTarget* const target = splatlas::find_target(argc > 1 ? argv[1] : "");
   if (target == nullptr) {
-    fmt::print(stderr, "usage: fuzz-replay TARGET FILE|FOLDER...; a target is a NAME of tests/fuzz/NAME_fuzzer.cpp\n");
+    fmt::print(
+        stderr,
+        "usage: fuzz-replay TARGET FILE|FOLDER...; a target is a NAME of tests/fuzz/NAME_fuzzer.cpp\n");
     return 2;
   }
   std::size_t count = 0;

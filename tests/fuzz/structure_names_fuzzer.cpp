@@ -58,7 +58,8 @@ void fuzz_structure_names(FuzzInput input) {
 
 /// Enumerating the matches of up to six "*" in 20 letters on all paths takes up to half a second.
 /// StructureGraph::find() has a limit of its own.
-const FuzzTarget kStructureNames("structure_names", fuzz_structure_names, InputLimit{.floor = {2, 8 << 20}, .per_byte = {}});
+const FuzzTarget kStructureNames("structure_names", fuzz_structure_names,
+                                 InputLimit{.floor = {2, 8 << 20}, .per_byte = {}});
 
 }  // namespace
 }  // namespace splatlas
