@@ -48,7 +48,6 @@ may_include preprocess format preprocess
 may_include player format player
 may_include bench format preprocess player bench tests
 may_include tests/format schemas format tests
-may_include tests/campaigns/damage format player tests
 may_include tests/player format player tests
 may_include tests/phantom format tests
 may_include tests/support format player tests
