@@ -58,7 +58,7 @@ render_picture() {
   fi
   echo "$picture: $selection"
   # shellcheck disable=SC2086  # the view is several options
-  "$programs/splatlas-player" render "$atlas" -o "$picture" --size $size --fit grid $view --select "$selection"
+  "$programs/splatlas-player" render "$atlas" -o "$picture" --size $size --fit grid --background '#ffffff' $view --select "$selection"
 }
 
 make_contact_sheet() {
