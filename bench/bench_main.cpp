@@ -12,8 +12,6 @@
 #include <fmt/format.h>
 
 #include "bench/bench.h"
-#include "format/io/check_writable.h"
-#include "format/io/interrupts.h"
 #include "format/io/memory_limit.h"
 #include "format/io/output_file.h"
 #include "format/io/output_path.h"

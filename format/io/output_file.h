@@ -1,49 +1,43 @@
-// Atomic replacement of files.
+// Atomic replacement of files, atomic creation of folders, and their removal by signals.
 #pragma once
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "format/result.h"
 
 namespace splatlas {
 
-struct UnfinishedFile;
+struct Unfinished;
 
-/// A new file in the folder of its target, without a name there (format/io/staged_file.h). The target is
-/// unchanged until commit() and on all errors. Files without commit() vanish, also when the process is
-/// killed. Follows links. Keeps permissions (without setuid, setgid and sticky bits), group and owner of the
-/// old file if possible; nobody else can read the new one before commit(). Other hard links keep the old
-/// file. All errors are kFailed, with target and reason.
+/// A new file under a random name beside its target, ".splatlas-" and 16 digits. The target is unchanged
+/// until commit_files() and on all errors. An uncommitted file is removed, unless the process is killed.
+/// Follows links. Keeps permissions (without setuid, setgid and sticky bits), group and owner of the old file
+/// if possible; nobody else can read the new one before. Other hard links keep the old file. All errors are
+/// kFailed, with target and reason.
 class OutputFile {
  public:
-  /// Creates the empty file. Refuses an existing target that is not a regular file or is read-only.
-  [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& target);
-  ~OutputFile();
-  OutputFile(OutputFile&&) noexcept;
-  OutputFile& operator=(OutputFile&&) noexcept;
-
+  /// Creates the empty file. Checks the target as check_writable_file() does.
+  [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& path);
   /// Path to the unfinished file, for libraries that write to a path. Has no ending.
   [[nodiscard]] std::filesystem::path temporary() const;
   /// Appends bytes.
   [[nodiscard]] Result<void> write(std::span<const std::byte> bytes);
 
-  /// Syncs the file, verifies the checksum of the bytes of write() by reading them back, gives the file the
-  /// target's name, and syncs the folder. If only the last step fails, the target is the new file, and the
-  /// message says so.
-  [[nodiscard]] Result<void> commit();
-
  private:
   friend Result<void> commit_files(std::span<OutputFile> files);
   friend class OutputFolder;
-  explicit OutputFile(std::unique_ptr<UnfinishedFile> impl);
-  std::unique_ptr<UnfinishedFile> impl_;
+  std::shared_ptr<Unfinished> file_;
 };
 
-/// Commits several files: names them only after all are complete on disk.
+/// Syncs the files, verifies the checksums of the bytes of write() by reading them back, gives all files
+/// their targets' names, and syncs the folders. If only the last step fails, the targets are the new files,
+/// and the message says so.
 [[nodiscard]] Result<void> commit_files(std::span<OutputFile> files);
 
 /// Creates and writes a file, and adds it to those that commit_files() names.
@@ -52,5 +46,27 @@ class OutputFile {
 
 /// Creates, writes and commits one file.
 [[nodiscard]] Result<void> write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
+
+/// Files that become a new folder together. Until commit() its name is random, as that of an OutputFile.
+class OutputFolder {
+ public:
+  /// Checks the target as check_writable_folder() does: it must not exist, or be empty.
+  [[nodiscard]] static Result<OutputFolder> create(const std::filesystem::path& path);
+  /// Creates a file of the folder, calls `write`, and syncs the file and verifies its bytes.
+  [[nodiscard]] Result<void> add(const std::string& name,
+                                 const std::function<Result<void>(OutputFile&)>& write);
+  /// Syncs the folder and gives it the target's name. Keeps permissions, group and owner of an empty folder
+  /// that is there if possible.
+  [[nodiscard]] Result<void> commit();
+
+ private:
+  std::shared_ptr<Unfinished> folder_;
+  std::vector<OutputFile> files_;
+};
+
+/// Installs handlers for SIGINT, SIGTERM and SIGHUP: they remove unfinished files and folders and end the
+/// program with the default action. Ignored signals (nohup) stay ignored. Also ignores SIGXFSZ, so that
+/// writes beyond the file size limit fail. Only for programs, not for libraries.
+void install_interrupt_handlers();
 
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-// Resolution of output paths, and detection of conflicts with inputs and other outputs.
+// Early checks of output paths: that they can be written, and are neither inputs nor other outputs.
 #pragma once
 
 #include <filesystem>
@@ -16,14 +16,15 @@ namespace splatlas {
 /// kFailed: "PATH: cannot be written: " and the reason.
 [[nodiscard]] tl::unexpected<Error> cannot_write(const std::filesystem::path& path, std::string_view reason);
 
-/// kFailed: the file is complete, but its folder was not synced.
-[[nodiscard]] tl::unexpected<Error> cannot_sync_folder(const std::filesystem::path& path,
-                                                       std::string_view reason);
+/// Checks that a file can be created or replaced. kFailed, with the reason, if its folder is missing or
+/// read-only, or if `path` is not a regular file; kUsage for an empty path. Changes nothing.
+[[nodiscard]] Result<void> check_writable_file(const std::filesystem::path& path);
 
-/// True for two paths to the same file, through links or hard links. The file need not exist.
-[[nodiscard]] bool is_same_file(const std::filesystem::path& a, const std::filesystem::path& b);
+/// Checks that a folder can be created. It must not exist, or be empty. Errors as above.
+[[nodiscard]] Result<void> check_writable_folder(const std::filesystem::path& path);
 
-/// kUsage if an output is an input or another output. Ignores empty paths. Opens no file.
+/// kUsage if an output is an input or another output, by any path or hard link. Ignores empty paths. Opens no
+/// file.
 [[nodiscard]] Result<void> check_outputs(std::span<const std::filesystem::path> outputs,
                                          std::span<const std::filesystem::path> inputs);
 

@@ -16,11 +16,8 @@
 #include <webp/encode.h>
 
 #include "format/atlas_reader.h"
-#include "format/io/check_writable.h"
 #include "format/io/input_file.h"
-#include "format/io/interrupts.h"
 #include "format/io/output_file.h"
-#include "format/io/output_folder.h"
 #include "format/io/output_path.h"
 #include "format/program/command_options.h"
 #include "format/result_macros.h"
@@ -219,23 +216,16 @@ Result<void> write_page(const ExportRequest& request) {
   return write_file(request.html, std::as_bytes(std::span(html)));
 }
 
-Result<void> add_file(OutputFolder& folder, const std::string& name, std::string_view text) {
-  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, folder.create_file(name));
-  SPLATLAS_RETURN_IF_ERROR(file.write(std::as_bytes(std::span(text))));
-  return folder.add(std::move(file));
-}
-
-Result<void> add_copy(OutputFolder& folder, const std::string& name, const std::filesystem::path& path) {
+Result<void> copy(const std::filesystem::path& path, OutputFile& file) {
   constexpr std::uint64_t kPieceBytes = std::uint64_t{1} << 20;
   SPLATLAS_ASSIGN_OR_RETURN(const InputFile from, InputFile::open(path));
-  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, folder.create_file(name));
   std::vector<std::byte> piece;
   for (std::uint64_t offset = 0; offset < from.size(); offset += piece.size()) {
     piece.resize(std::min(kPieceBytes, from.size() - offset));
     SPLATLAS_RETURN_IF_ERROR(from.read(offset, piece));
     SPLATLAS_RETURN_IF_ERROR(file.write(piece));
   }
-  return folder.add(std::move(file));
+  return {};
 }
 
 /// Names of the files of the atlases in the site, without endings.
@@ -272,13 +262,17 @@ Result<void> write_site(const ExportRequest& request) {
                        .picture = std::move(page.picture)});
   }
 
-  const DeferInterrupts no_folder_left;
+  const auto text = [](const std::string& bytes) {
+    return [&bytes](OutputFile& file) { return file.write(std::as_bytes(std::span(bytes))); };
+  };
   SPLATLAS_ASSIGN_OR_RETURN(OutputFolder folder, OutputFolder::create(request.site));
   for (std::size_t n = 0; n < names.size(); ++n) {
-    SPLATLAS_RETURN_IF_ERROR(add_file(folder, is_catalogue ? names[n] + ".html" : "index.html", pages[n]));
-    SPLATLAS_RETURN_IF_ERROR(add_copy(folder, names[n] + ".atlas", request.atlases[n]));
+    const std::string page = is_catalogue ? names[n] + ".html" : "index.html";
+    SPLATLAS_RETURN_IF_ERROR(folder.add(page, text(pages[n])));
+    SPLATLAS_RETURN_IF_ERROR(
+        folder.add(names[n] + ".atlas", [&](OutputFile& file) { return copy(request.atlases[n], file); }));
   }
-  if (is_catalogue) SPLATLAS_RETURN_IF_ERROR(add_file(folder, "index.html", encode_catalogue(entries)));
+  if (is_catalogue) SPLATLAS_RETURN_IF_ERROR(folder.add("index.html", text(encode_catalogue(entries))));
   return folder.commit();
 }
 

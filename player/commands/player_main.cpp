@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "format/io/interrupts.h"
+#include "format/io/output_file.h"
 #include "format/program/command_options.h"
 #include "format/program/exit_status.h"
 #include "format/program/standard_output.h"

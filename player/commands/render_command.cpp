@@ -13,7 +13,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "format/io/check_writable.h"
 #include "format/io/output_file.h"
 #include "format/io/output_path.h"
 #include "format/program/command_options.h"

@@ -8,8 +8,6 @@
 
 #include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
-#include "format/io/check_writable.h"
-#include "format/io/interrupts.h"
 #include "format/io/output_file.h"
 #include "format/io/output_path.h"
 #include "format/result_macros.h"
@@ -187,13 +185,10 @@ Result<BuildReport> build_atlas(const BuildOptions& options, Notes& notes,
   Result<std::vector<std::byte>> bytes = encode_atlas(std::move(content), writing);
   if (!bytes) return fail(bytes.error().code, "{}: {}", options.output.string(), bytes.error().message);
   SPLATLAS_ASSIGN_OR_RETURN(BuildReport report, report_on(*bytes, options.output, structures));
-  {
-    const DeferInterrupts no_half_file;
-    std::vector<OutputFile> files;
-    SPLATLAS_RETURN_IF_ERROR(add_file(options.output, *bytes, files));
-    if (add_files) SPLATLAS_RETURN_IF_ERROR(add_files(files));
-    SPLATLAS_RETURN_IF_ERROR(commit_files(files));
-  }
+  std::vector<OutputFile> files;
+  SPLATLAS_RETURN_IF_ERROR(add_file(options.output, *bytes, files));
+  if (add_files) SPLATLAS_RETURN_IF_ERROR(add_files(files));
+  SPLATLAS_RETURN_IF_ERROR(commit_files(files));
   clock.end();
 
   report.stages = clock.stages();

@@ -3,7 +3,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "format/io/check_writable.h"
 #include "format/io/output_file.h"
 #include "format/io/output_path.h"
 #include "format/program/command_options.h"

@@ -5,8 +5,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "format/io/interrupts.h"
 #include "format/io/memory_limit.h"
+#include "format/io/output_file.h"
 #include "format/program/command_options.h"
 #include "format/program/exit_status.h"
 #include "format/program/standard_output.h"

@@ -9,7 +9,6 @@
 
 #include "format/atlas_reader.h"
 #include "format/content/selection.h"
-#include "format/io/check_writable.h"
 #include "format/io/output_file.h"
 #include "format/io/output_path.h"
 #include "format/result_macros.h"
@@ -47,7 +46,7 @@ bool is_folder_of_masks(const ExportOptions& options) {
 
 std::vector<fs::path> outputs_of(const ExportOptions& options) {
   std::vector<fs::path> outputs{
-      is_folder_of_masks(options) ? without_end_slash(options.labels) : fs::path(options.labels),
+      is_folder_of_masks(options) ? fs::path(options.labels).parent_path() : fs::path(options.labels),
       options.volume, options.names, options.tree};
   for (const auto& [name, path] : options.surfaces) outputs.push_back(path);
   std::erase(outputs, fs::path());

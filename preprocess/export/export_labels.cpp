@@ -14,8 +14,7 @@
 #include <fmt/format.h>
 
 #include "format/derive/structure_crop.h"
-#include "format/io/interrupts.h"
-#include "format/io/output_folder.h"
+#include "format/io/output_file.h"
 #include "format/result_macros.h"
 #include "format/tasks/parallel.h"
 #include "format/tasks/task_control.h"
@@ -173,7 +172,7 @@ class ClassSlices {
   std::vector<std::pair<std::size_t, std::size_t>> range_;
 };
 
-Result<ExportedMasks> write_masks(const AtlasContent& content, OutputFolder& folder) {
+Result<ExportedMasks> write_masks(const AtlasContent& content, const fs::path& path, OutputFolder& folder) {
   const StructureClasses structure_classes(content.classes, content.graph.size());
   const std::vector<StructureIndex> masked = masked_structures(content.graph, structure_classes);
   std::vector<std::string> ids;
@@ -183,7 +182,7 @@ Result<ExportedMasks> write_masks(const AtlasContent& content, OutputFolder& fol
   const ClassSlices slices(content);
   const auto encode = [&](std::size_t n) {
     return encode_mask_file(content.source_grid, slices.mask_of(structure_classes.of(masked[n])),
-                            folder.path() / files[n]);
+                            path / files[n]);
   };
   const std::size_t at_once = std::clamp(std::thread::hardware_concurrency(), 1u, 4u);  // bounds the memory
   for (std::size_t first = 0; first < masked.size(); first += at_once) {
@@ -191,18 +190,15 @@ Result<ExportedMasks> write_masks(const AtlasContent& content, OutputFolder& fol
     parallel_for(encoded.size(), 0, [&](std::size_t n) { encoded[n] = encode(first + n); });
     for (std::size_t n = 0; n < encoded.size(); ++n) {
       if (!encoded[n]) return tl::unexpected(encoded[n].error());
-      SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, folder.create_file(files[first + n]));
-      SPLATLAS_RETURN_IF_ERROR(file.write(*encoded[n]));
-      SPLATLAS_RETURN_IF_ERROR(folder.add(std::move(file)));
+      SPLATLAS_RETURN_IF_ERROR(
+          folder.add(files[first + n], [&](OutputFile& file) { return file.write(*encoded[n]); }));
     }
-    if (interrupt_waits()) return bad_file(folder.path(), "interrupted");
   }
   ExportedMasks written{masked.size(), {}};
-  const std::string path = folder.path().string();
-  if (ending == ".nrrd") {
-    written.notes.push_back(path + ": .nii.gz files cannot hold the atlas's grid; the masks are .nrrd files");
-  }
-  if (std::string note = note_changed_names(ids, files, ending, path); !note.empty())
+  if (ending == ".nrrd")
+    written.notes.push_back(fmt::format(
+        "{}: .nii.gz files cannot hold the atlas's grid; the masks are .nrrd files", path.string()));
+  if (std::string note = note_changed_names(ids, files, ending, path.string()); !note.empty())
     written.notes.push_back(std::move(note));
   return written;
 }
@@ -246,10 +242,8 @@ std::vector<std::string> structures_without_label(const AtlasContent& content) {
 
 Result<ExportedMasks> export_masks(const AtlasContent& content, const fs::path& path,
                                    std::span<OutputFile> others) {
-  // An interrupt waits for the current mask; then the temporary folder is removed.
-  const DeferInterrupts no_folder_left;
   SPLATLAS_ASSIGN_OR_RETURN(OutputFolder folder, OutputFolder::create(path));
-  SPLATLAS_ASSIGN_OR_RETURN(ExportedMasks masks, write_masks(content, folder));
+  SPLATLAS_ASSIGN_OR_RETURN(ExportedMasks masks, write_masks(content, path, folder));
   SPLATLAS_RETURN_IF_ERROR(commit_files(others));
   SPLATLAS_RETURN_IF_ERROR(folder.commit());
   return masks;

@@ -18,7 +18,7 @@ namespace splatlas {
 
 /// Writes the source label map, voxel for voxel, as a volume file, without structures that have no label
 /// (segments, surfaces). kFailed if labels overlap, and for a label that label_type cannot hold exactly.
-/// Messages call the atlas `name`. The file has no name until commit().
+/// Messages call the atlas `name`. The file has no name until commit_files().
 [[nodiscard]] Result<OutputFile> export_label_map(const AtlasContent& content, const std::string& name,
                                                   const std::filesystem::path& path);
 

@@ -15,9 +15,9 @@ namespace splatlas {
 /// Output format by file extension; kUsage for unknown extensions and formats with two files.
 [[nodiscard]] Result<ImageFormat> writable_image_format(const std::filesystem::path& path);
 
-/// Writes .nii, .nii.gz, .nrrd or .mha, up to commit(). The voxels have a type and fill the grid, which is
-/// valid. kFailed, before a file exists, for a geometry that the format cannot hold
-/// (image_headers.h). Cost: compresses in pieces; .mha keeps the compressed voxels in memory.
+/// Writes .nii, .nii.gz, .nrrd or .mha, up to commit_files(). The voxels have a type and fill the grid, which
+/// is valid. kFailed, before a file exists, for a geometry that the format cannot hold (image_headers.h).
+/// Cost: compresses in pieces; .mha keeps the compressed voxels in memory.
 [[nodiscard]] Result<OutputFile> write_image(const Image& image, const std::filesystem::path& path);
 
 /// Slices of a mask: uint8, 1 inside. All others are 0.

@@ -5,9 +5,9 @@
 
 namespace splatlas {
 
-/// The result of commit(), or the error before it.
+/// The result of commit_files(), or the error before it.
 inline Result<void> committed(Result<OutputFile> file) {
-  if (file) return file->commit();
+  if (file) return commit_files({&*file, 1});
   return tl::unexpected(file.error());
 }
 

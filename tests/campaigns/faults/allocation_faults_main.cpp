@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "format/atlas_writer.h"
@@ -28,7 +29,6 @@
 #include "player/renderer.h"
 #include "player/write_png.h"
 #include "tests/campaigns/faults/failing_allocator.h"
-#include "tests/campaigns/faults/run_harness.h"
 #include "tests/campaigns/faults/small_atlas.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/support/file_bytes.h"
@@ -307,6 +307,12 @@ class Trial {
   Tally tally_;
 };
 
+/// The points to run: `first` and every `every`-th after it, in scenarios whose name contains `only`.
+struct ChosenPoints {
+  std::uint64_t every = 1, first = 0;
+  std::string only;
+};
+
 int run(const ChosenPoints& chosen) {
   const TemporaryFolder temporary;
   const AtlasContent content = small_atlas();
@@ -337,6 +343,16 @@ int run(const ChosenPoints& chosen) {
 }  // namespace splatlas
 
 int main(int argc, char** argv) {
-  return splatlas::run_harness(argc, argv, "splatlas-allocation-faults", "Failure of every allocation",
-                               splatlas::run);
+  splatlas::ChosenPoints points;
+  CLI::App app{"Failure of every allocation", "splatlas-allocation-faults"};
+  app.add_option("--every", points.every, "stride of the points")->check(CLI::PositiveNumber);
+  app.add_option("--first", points.first, "the first point");
+  app.add_option("--only", points.only, "scenarios with this in their names");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    return splatlas::run(points);
+  } catch (const std::exception& exception) {
+    std::fprintf(stderr, "splatlas-allocation-faults: %s\n", exception.what());
+    return 1;
+  }
 }

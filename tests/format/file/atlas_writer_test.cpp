@@ -169,7 +169,7 @@ TEST(AtlasWriter, WritesFilesWholeOrNotAtAll) {
   EXPECT_THAT(folder.names(), ElementsAre("a.atlas"));
 
   EXPECT_THAT(write_atlas(content, folder.path() / "none" / "a.atlas"),
-              FailsWith(ErrorCode::kFailed, HasSubstr("No such file or directory")));
+              FailsWith(ErrorCode::kFailed, HasSubstr("there is no folder")));
 }
 
 }  // namespace

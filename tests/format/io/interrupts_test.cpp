@@ -1,8 +1,6 @@
-#include "format/io/interrupts.h"
-
+// Signals while files and folders are unfinished.
 #include <csignal>
 #include <functional>
-#include <optional>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -37,49 +35,30 @@ struct InterruptsTest : ::testing::Test {
   }
 };
 
-TEST_F(InterruptsTest, RemoveEveryFileInTheMaking) {
+TEST_F(InterruptsTest, RemoveEverythingUnfinished) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     EXPECT_EQ(signal_ending([&] {
                 std::vector<OutputFile> files;
-                for (int n = 0; n < 3; ++n) files.push_back(OutputFile::create(path).value());
-                std::raise(signal);
+                for (int n = 0; n < 40; ++n) files.push_back(OutputFile::create(path).value());
+                OutputFolder masks = OutputFolder::create(folder.path() / "masks").value();
+                const auto empty = [](OutputFile&) -> Result<void> { return {}; };
+                if (!masks.add("done", empty) || folder.names().size() != 41) ::_exit(1);
+                (void)masks.add("unfinished", [&](OutputFile&) -> Result<void> {
+                  std::raise(signal);
+                  return {};
+                });
               }),
               signal);
     EXPECT_THAT(folder.names(), IsEmpty());
   }
 }
 
-TEST_F(InterruptsTest, LongWorkIsToldThatOneWaits) {
-  EXPECT_EQ(signal_ending([&] {
-              const DeferInterrupts deferred;
-              const bool before = interrupt_waits();
-              std::raise(SIGINT);
-              if (before || !interrupt_waits()) ::_exit(1);
-            }),
-            SIGINT);
-}
-
 TEST_F(InterruptsTest, LeaveWhatIsCommitted) {
   EXPECT_EQ(signal_ending([&] {
-              OutputFile file = OutputFile::create(path).value();
-              if (!file.commit()) return;
+              if (!write_file(path, {})) return;
               std::raise(SIGTERM);
             }),
             SIGTERM);
-  EXPECT_THAT(folder.names(), ElementsAre("out"));
-}
-
-TEST_F(InterruptsTest, Wait) {
-  EXPECT_EQ(signal_ending([&] {
-              std::optional<DeferInterrupts> outer(std::in_place);
-              {
-                const DeferInterrupts inner;
-                std::raise(SIGINT);
-              }
-              if (!write_file(path, {})) ::_exit(1);
-              outer.reset();
-            }),
-            SIGINT);
   EXPECT_THAT(folder.names(), ElementsAre("out"));
 }
 
@@ -87,19 +66,6 @@ TEST_F(InterruptsTest, StayIgnored) {
   std::signal(SIGHUP, SIG_IGN);
   EXPECT_EQ(signal_ending([] { std::raise(SIGHUP); }), 0);
   std::signal(SIGHUP, SIG_DFL);
-}
-
-TEST_F(InterruptsTest, MoreFilesThanThereAreSlotsDoNoHarm) {
-  EXPECT_EQ(signal_ending([&] {
-              std::vector<OutputFile> files;
-              for (int n = 0; n < 40; ++n) files.push_back(OutputFile::create(path).value());
-              files.clear();
-              std::vector<OutputFile> again;
-              for (int n = 0; n < 16; ++n) again.push_back(OutputFile::create(path).value());
-              std::raise(SIGINT);
-            }),
-            SIGINT);
-  EXPECT_THAT(folder.names(), IsEmpty());
 }
 
 }  // namespace
