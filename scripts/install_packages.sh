@@ -79,6 +79,7 @@ tests=(
   slurm-wlm                # tests: docs/batch on a cluster
   snakemake                # tests: docs/batch, many subjects
   xdotool                  # tests: mouse and keys
+  strace                   # tests: faults of system calls
   xvfb                     # tests: a display without a screen
 
   gnuplot-nox              # bench: plots
