@@ -52,7 +52,6 @@ demo=(
   libvtk9-dev              # preprocess: marching cubes, mesh files
   libtiff-dev              # preprocess: TIFF
   libtomlplusplus-dev      # preprocess: scenes
-  libexpat1-dev            # preprocess: GIFTI
   libbz2-dev               # preprocess: compressed NRRD
   libdcmtk-dev             # preprocess: DICOM
   libopenjp2-7-dev         # preprocess: JPEG 2000 in DICOM

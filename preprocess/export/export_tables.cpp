@@ -70,7 +70,7 @@ Result<std::string> csv_text(const StructureGraph& graph) {
       std::string& value = values[columns.at(term.vocabulary)];
       value += (value.empty() ? "" : ";") + term.value;
     }
-    for (const std::string& value : values) text += fmt::format(",{}", csv_field(value));
+    for (const std::string& value : values) text.append(",").append(csv_field(value));
     text += "\n";
     if (text.size() > kMaxTextBytes)
       return fail(ErrorCode::kLimit,

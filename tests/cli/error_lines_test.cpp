@@ -219,7 +219,7 @@ TEST_F(ErrorLines, OfBuild) {
       {{"build", "-o", "x.atlas", "--labels", "missing.nrrd"}, 1, "missing.nrrd: ", "no such file"},
       {{"build", "-o", "x.atlas", "--labels", "m\n.nrrd"}, 1, "m?.nrrd: ", "no such file"},
       {{"build", "-o", "x.atlas", "--labels", "full"}, 1, "full: ", "no mask"},
-      {{"build", "-o", "x.atlas", "--labels", "bad.nrrd"}, 1, "bad.nrrd: ", "0 dimensions"},
+      {{"build", "-o", "x.atlas", "--labels", "bad.nrrd"}, 1, "bad.nrrd: ", "zero element size"},
       {{"build", "-o", "x.atlas", "--labels", "bad.txt"}, 1, "bad.txt: ", ".nii.gz"},
       {{"build", "-o", "x.atlas", "--names", "empty.txt"}, 2, "no structures: give --labels"},
       {{"build", "-o", "x.atlas", "--volume", "volume.nrrd", "--segment", "S=threshold:1e9"},
@@ -231,7 +231,7 @@ TEST_F(ErrorLines, OfBuild) {
     cases.push_back(
         {joined({"build", "-o", "x.atlas", "--labels", "labels.nrrd"}, options), status, subject, rest});
   };
-  refuses({"--volume", "bad.nrrd"}, "bad.nrrd: ", "0 dimensions");
+  refuses({"--volume", "bad.nrrd"}, "bad.nrrd: ", "zero element size");
   refuses({"--volume", ""}, "--volume: \"\"", "must name a file", 2);
   refuses({"--names", "missing.txt"}, "missing.txt: ", "no such file");
   refuses({"--names", "bad.txt"}, "bad.txt: line 1", "UTF-8");

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "format/result_macros.h"
-#include "preprocess/import/images/itk/nrrd_segments.h"
 #include "preprocess/import/images/nifti/read_nifti.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
 #include "preprocess/import/images/pixels/read_deflated.h"
@@ -17,21 +16,16 @@
 namespace splatlas {
 namespace {
 
-Result<void> check_text_header(const std::filesystem::path& path, bool is_nrrd) {
-  SPLATLAS_ASSIGN_OR_RETURN(const PixelData pixels,
-                            is_nrrd ? check_nrrd_file(path) : check_meta_image_file(path));
-  for (const SourceSegment& segment : segments_of_nrrd(pixels.pairs))
-    require(is_nrrd, segment.structure.name.c_str());
+Result<void> check_meta_image(const std::filesystem::path& path) {
+  SPLATLAS_ASSIGN_OR_RETURN(const PixelData pixels, check_meta_image_file(path));
   if (pixels.compression == Compression::kNone) return {};
   std::vector<std::byte> bytes;
-  const auto read = pixels.compression == Compression::kDeflate ? read_deflated : read_bzip2;
-  return read(pixels.file, pixels.start, pixels.bytes, bytes);
+  return read_deflated(pixels.file, pixels.start, pixels.bytes, bytes);
 }
 
 Result<void> check_image_file(const std::filesystem::path& path) {
   const std::string ending = path.extension().string();
-  if (ending == ".nrrd" || ending == ".nhdr") return check_text_header(path, true);
-  if (ending == ".mha" || ending == ".mhd") return check_text_header(path, false);
+  if (ending == ".mha" || ending == ".mhd") return check_meta_image(path);
   SPLATLAS_ASSIGN_OR_RETURN(const SourceImage image,
                             ending.starts_with(".mg") ? read_mgh(path) : read_nifti(path));
   const auto voxels = static_cast<std::uint64_t>(image.grid.voxels()) * image.layers;
@@ -41,8 +35,8 @@ Result<void> check_image_file(const std::filesystem::path& path) {
 }
 
 void fuzz_image_headers(FuzzInput input) {
-  static const std::array<std::string, 8> kNames{"image.mgh",  "image.mgz",  "image.nii", "image.nii.gz",
-                                                 "image.nrrd", "image.nhdr", "image.mha", "image.mhd"};
+  static const std::array<std::string, 6> kNames{"image.mgh",    "image.mgz", "image.nii",
+                                                 "image.nii.gz", "image.mha", "image.mhd"};
   const auto path = write_input_file(kNames[input.below(kNames.size())], input.rest());
   const auto sound = check_image_file(path);
   if (!sound) require_error(sound.error(), {ErrorCode::kFailed});

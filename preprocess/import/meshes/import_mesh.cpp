@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <string>
 
 #include <vtkCellArray.h>
@@ -22,7 +24,6 @@
 #include "format/text/ascii_text.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/isolation/run_isolated.h"
-#include "preprocess/import/meshes/check_vtk_file.h"
 #include "preprocess/import/meshes/polygon_readers.h"
 #include "preprocess/import/meshes/quiet_vtk.h"
 #include "preprocess/import/tables/text_file.h"
@@ -69,6 +70,26 @@ Result<void> check_stl(const fs::path& path) {
   return {};
 }
 
+/// VTK reads over the end of a list that its polygons do not fill. The sizes that the file promises show it:
+/// "POLYGONS 4 16"; since version 5.1 one offset more, and corners alone.
+Result<vtkSmartPointer<vtkPolyData>> read_legacy_vtk(const fs::path& path) {
+  SPLATLAS_ASSIGN_OR_RETURN(vtkSmartPointer<vtkPolyData> polygons, read_with<vtkPolyDataReader>(path));
+  std::ifstream file(path, std::ios::binary);
+  const std::string text = to_lower(std::string{std::istreambuf_iterator<char>(file), {}});
+  for (const auto& [section, cells] : {std::pair("\npolygons ", polygons->GetPolys()),
+                                       std::pair("\ntriangle_strips ", polygons->GetStrips())}) {
+    const std::size_t at = text.rfind(section);
+    if (at == std::string::npos) continue;
+    const std::vector<std::string_view> words = split_blanks(std::string_view(text).substr(at, 100));
+    const vtkIdType found = cells->GetNumberOfCells(), corners = cells->GetNumberOfConnectivityIds();
+    const bool fits = words.size() >= 3 &&
+                      ((words[1] == std::to_string(found) && words[2] == std::to_string(found + corners)) ||
+                       (words[1] == std::to_string(found + 1) && words[2] == std::to_string(corners)));
+    if (!fits) return bad_file(path, "is damaged: its polygons do not fill their list of corners");
+  }
+  return polygons;
+}
+
 Result<vtkSmartPointer<vtkPolyData>> read_polygons(const fs::path& path, MeshFormat format) {
   switch (format) {
     case MeshFormat::kStl: SPLATLAS_RETURN_IF_ERROR(check_stl(path)); return read_with<vtkSTLReader>(path);
@@ -78,14 +99,15 @@ Result<vtkSmartPointer<vtkPolyData>> read_polygons(const fs::path& path, MeshFor
     case MeshFormat::kGifti: return read_gifti(path);
     case MeshFormat::kVtk: break;
   }
-  SPLATLAS_RETURN_IF_ERROR(check_vtk_file(path));
-  return read_with<vtkPolyDataReader>(path);
+  return read_legacy_vtk(path);
 }
 
-/// Checks corner indices before a filter dereferences them.
+/// Checks offsets and corner indices before a filter dereferences them.
 Result<void> check_corners(vtkPolyData& polygons, const fs::path& path) {
   const vtkIdType points = polygons.GetNumberOfPoints();
   for (vtkCellArray* cells : {polygons.GetPolys(), polygons.GetStrips()}) {
+    if (!cells->IsValid())
+      return bad_file(path, "is damaged: its polygons do not fill their list of corners");
     for (vtkIdType c = 0; c < cells->GetNumberOfCells(); ++c) {
       vtkIdType corners = 0;
       const vtkIdType* ids = nullptr;

@@ -1,4 +1,5 @@
-// Readers of PLY, OBJ and GIFTI polygons. VTK's own readers trust the counts and indices of a file.
+// Readers of PLY, OBJ and GIFTI polygons. In damaged text, VTK takes words for 0 and parts of words for
+// corners in PLY and OBJ; gifti_io fills short arrays with zeros.
 #pragma once
 
 #include <filesystem>

@@ -2,19 +2,19 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <fstream>
-#include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include <expat.h>
+#include <vtkBase64Utilities.h>
+#include <vtkXMLDataElement.h>
+#include <vtkXMLUtilities.h>
 #include <zlib.h>
 
 #include "format/result_macros.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/meshes/polygon_readers.h"
+#include "preprocess/import/meshes/quiet_vtk.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
@@ -22,156 +22,80 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// An array of the file (GIFTI 1.0), as its XML says.
-struct DataArray {
-  std::map<std::string, std::string> attributes;
-  std::map<std::string, std::string> metadata;
-  std::string data;
-  bool is_of_scanner = false;  ///< its points are in the scanner's frame
-  std::optional<std::array<double, 16>> to_scanner;
+std::string attribute(vtkXMLDataElement& element, const char* name) {
+  const char* const value = element.GetAttribute(name);
+  return value != nullptr ? value : "";
+}
 
-  [[nodiscard]] std::string get(const char* key) const {
-    const auto found = attributes.find(key);
-    return found == attributes.end() ? std::string() : found->second;
-  }
-};
+/// The text of a nested element; empty if there is none.
+std::string text_in(vtkXMLDataElement& element, const char* name) {
+  vtkXMLDataElement* const nested = element.FindNestedElementWithName(name);
+  const char* const text = nested != nullptr ? nested->GetCharacterData() : nullptr;
+  return text != nullptr ? std::string(trimmed(text)) : "";
+}
 
-/// Collects the arrays of points and triangles.
-class GiftiParser {
- public:
-  Result<void> parse(const fs::path& path) {
-    const std::unique_ptr<XML_ParserStruct, decltype(&XML_ParserFree)> parser(XML_ParserCreate(nullptr),
-                                                                              XML_ParserFree);
-    XML_SetUserData(parser.get(), this);
-    XML_SetElementHandler(parser.get(), on_start, on_end);
-    XML_SetCharacterDataHandler(parser.get(), on_text);
-    std::ifstream file(path, std::ios::binary);
-    std::vector<char> piece(1 << 16);
-    bool is_last = false;
-    while (!is_last) {
-      file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
-      is_last = !file;
-      if (XML_Parse(parser.get(), piece.data(), static_cast<int>(file.gcount()), is_last) == XML_STATUS_OK)
-        continue;
-      return bad_file(path, "is no GIFTI file, or is damaged: line {}, {}",
-                      XML_GetCurrentLineNumber(parser.get()),
-                      XML_ErrorString(XML_GetErrorCode(parser.get())));
-    }
-    return {};
+/// Bytes of base64, inflated if the encoding says so; nothing if they are not `count`.
+std::optional<std::string> decoded(std::string text, const std::string& encoding, std::size_t count) {
+  std::erase_if(text, [](char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; });
+  std::string bytes(text.size() / 4 * 3, '\0');
+  const auto input = reinterpret_cast<const unsigned char*>(text.data());
+  const auto output = reinterpret_cast<unsigned char*>(bytes.data());
+  const std::size_t length = vtkBase64Utilities::DecodeSafely(input, text.size(), output, bytes.size());
+  const std::size_t padding = text.ends_with("==") ? 2 : text.ends_with("=") ? 1 : 0;
+  if (text.size() % 4 != 0 || length + padding != bytes.size()) return std::nullopt;
+  bytes.resize(length);
+  if (encoding.starts_with("GZip")) {
+    std::string inflated(count, '\0');
+    uLongf size = count;
+    if (uncompress(reinterpret_cast<Bytef*>(inflated.data()), &size, output, length) != Z_OK) size = 0;
+    inflated.resize(size);
+    bytes = std::move(inflated);
   }
-  [[nodiscard]] const DataArray* find(const std::string& intent) const {
-    const auto found =
-        std::ranges::find_if(arrays_, [&](const DataArray& array) { return array.get("Intent") == intent; });
-    return found == arrays_.end() ? nullptr : &*found;
-  }
+  return bytes.size() == count ? std::optional(std::move(bytes)) : std::nullopt;
+}
 
- private:
-  static void on_start(void* self, const char* name, const char** attributes) {
-    static_cast<GiftiParser*>(self)->start(name, attributes);
+/// The numbers of `bytes`, of four bytes each.
+template <typename T>
+void append_numbers(const std::string& bytes, bool is_big_endian, std::vector<double>& numbers) {
+  for (std::size_t at = 0; at < bytes.size(); at += 4) {
+    std::array<char, 4> field{};
+    std::copy_n(&bytes[at], 4, field.begin());
+    if (is_big_endian) std::ranges::reverse(field);
+    numbers.push_back(static_cast<double>(std::bit_cast<T>(field)));
   }
-  static void on_end(void* self, const char* name) { static_cast<GiftiParser*>(self)->end(name); }
-  static void on_text(void* self, const char* text, int length) {
-    static_cast<GiftiParser*>(self)->text_.append(text, static_cast<std::size_t>(length));
-  }
-
-  void start(const std::string& name, const char** attributes) {
-    text_.clear();
-    if (name != "DataArray") return;
-    DataArray& array = arrays_.emplace_back();
-    for (; *attributes != nullptr; attributes += 2) array.attributes[attributes[0]] = attributes[1];
-  }
-  void end(const std::string& name) {
-    if (arrays_.empty()) return;
-    DataArray& array = arrays_.back();
-    if (name == "Data") array.data = std::move(text_);
-    if (name == "Name") name_ = std::string(trimmed(text_));
-    if (name == "Value") array.metadata[name_] = std::string(trimmed(text_));
-    if (name == "DataSpace")
-      array.is_of_scanner = array.is_of_scanner || trimmed(text_) == "NIFTI_XFORM_SCANNER_ANAT";
-    if (name == "TransformedSpace") space_ = std::string(trimmed(text_));
-    if (name == "MatrixData") matrix_ = std::move(text_);
-    if (name == "CoordinateSystemTransformMatrix" && space_ == "NIFTI_XFORM_SCANNER_ANAT") {
-      std::array<double, 16> matrix{};
-      const std::vector<std::string_view> numbers = split_blanks(matrix_);
-      for (std::size_t n = 0; n < 16 && numbers.size() == 16; ++n)
-        matrix[n] = parse_number(numbers[n]).value_or(NAN);
-      if (numbers.size() == 16) array.to_scanner = matrix;
-    }
-    text_.clear();
-  }
-
-  std::vector<DataArray> arrays_;
-  std::string text_, name_, space_, matrix_;
-};
-
-std::optional<std::string> decoded_base64(std::string_view text) {
-  std::string bytes;
-  bytes.reserve(text.size() / 4 * 3);
-  std::uint32_t bits = 0;
-  int count = 0;
-  for (const char c : text) {
-    constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    if (c == '=' || c == ' ' || c == '\n' || c == '\r' || c == '\t') continue;
-    const std::size_t digit = kDigits.find(c);
-    if (digit == std::string_view::npos) return std::nullopt;
-    bits = bits << 6 | static_cast<std::uint32_t>(digit);
-    if (++count % 4 == 0) {
-      for (int shift = 16; shift >= 0; shift -= 8) bytes += static_cast<char>(bits >> shift & 0xff);
-    }
-  }
-  if (count % 4 == 1) return std::nullopt;
-  if (count % 4 == 2) bytes += static_cast<char>(bits >> 4 & 0xff);
-  if (count % 4 == 3) {
-    bytes += static_cast<char>(bits >> 10 & 0xff);
-    bytes += static_cast<char>(bits >> 2 & 0xff);
-  }
-  return bytes;
 }
 
 /// Numbers of an array of N x 3, row by row.
-Result<std::vector<double>> numbers_of(const DataArray& array, const fs::path& path) {
-  const auto rows = parse_integer(array.get("Dim0")), columns = parse_integer(array.get("Dim1"));
+Result<std::vector<double>> numbers_of(vtkXMLDataElement& array, const fs::path& path) {
+  const std::string rows_text = attribute(array, "Dim0"), columns = attribute(array, "Dim1");
+  const auto rows = parse_integer(rows_text);
   constexpr std::int64_t kMostRows = std::int64_t{1} << 28;
-  if (array.get("Dimensionality") != "2" || !rows || *rows < 1 || *rows > kMostRows || columns != 3)
-    return bad_file(path, "has an array of {} x {} numbers; N x 3 are needed", array.get("Dim0"),
-                    array.get("Dim1"));
+  if (attribute(array, "Dimensionality") != "2" || !rows || *rows < 1 || *rows > kMostRows || columns != "3")
+    return bad_file(path, "has an array of {} x {} numbers; N x 3 are needed", rows_text, columns);
   const auto count = static_cast<std::size_t>(*rows) * 3;
-  const std::string encoding = array.get("Encoding"), type = array.get("DataType");
+  const std::string encoding = attribute(array, "Encoding"), type = attribute(array, "DataType"),
+                    data = text_in(array, "Data");
   std::vector<double> numbers;
   if (encoding == "ASCII") {
-    for (const std::string_view word : split_blanks(std::string_view(array.data)))
+    for (const std::string_view word : split_blanks(data))
       numbers.push_back(parse_number(word).value_or(NAN));
   } else if (encoding == "Base64Binary" || encoding == "GZipBase64Binary") {
-    const bool is_float = type == "NIFTI_TYPE_FLOAT32";
-    if (!is_float && type != "NIFTI_TYPE_INT32")
+    const std::optional<std::string> bytes = decoded(data, encoding, 4 * count);
+    const bool is_big_endian = attribute(array, "Endian") == "BigEndian";
+    if (type != "NIFTI_TYPE_FLOAT32" && type != "NIFTI_TYPE_INT32")
       return bad_file(path, "has points or triangles of type {}", type);
-    std::optional<std::string> bytes = decoded_base64(array.data);
-    if (bytes && encoding.starts_with("GZip")) {
-      std::string inflated(4 * count, '\0');
-      uLongf length = inflated.size();
-      const int status = uncompress(reinterpret_cast<Bytef*>(inflated.data()), &length,
-                                    reinterpret_cast<const Bytef*>(bytes->data()), bytes->size());
-      bytes = status == Z_OK && length == inflated.size() ? std::optional(std::move(inflated)) : std::nullopt;
-    }
-    if (!bytes || bytes->size() != 4 * count)
-      return bad_file(path, "has a damaged array ({})", array.get("Intent"));
-    for (std::size_t n = 0; n < count; ++n) {
-      std::array<char, 4> field{};
-      std::copy_n(&(*bytes)[4 * n], 4, field.begin());
-      if (array.get("Endian") == "BigEndian") std::ranges::reverse(field);
-      float real = 0;
-      std::int32_t integer = 0;
-      std::memcpy(&real, field.data(), 4);
-      std::memcpy(&integer, field.data(), 4);
-      numbers.push_back(is_float ? double{real} : static_cast<double>(integer));
-    }
+    if (!bytes) return bad_file(path, "has a damaged array ({})", attribute(array, "Intent"));
+    if (type == "NIFTI_TYPE_INT32")
+      append_numbers<std::int32_t>(*bytes, is_big_endian, numbers);
+    else
+      append_numbers<float>(*bytes, is_big_endian, numbers);
   } else {
     return bad_file(path, "has its numbers in encoding {}; convert it with wb_command -gifti-convert ASCII",
                     encoding);
   }
   if (numbers.size() != count)
     return bad_file(path, "promises {} numbers, {} are there", count, numbers.size());
-  if (array.get("ArrayIndexingOrder") == "ColumnMajorOrder") {
+  if (attribute(array, "ArrayIndexingOrder") == "ColumnMajorOrder") {
     std::vector<double> by_row(count);
     for (std::size_t n = 0; n < count; ++n) by_row[n / (count / 3) + n % (count / 3) * 3] = numbers[n];
     numbers = std::move(by_row);
@@ -179,49 +103,65 @@ Result<std::vector<double>> numbers_of(const DataArray& array, const fs::path& p
   return numbers;
 }
 
-/// Points to the scanner's frame: by the file's matrix, or by the centre of FreeSurfer's volume.
-void to_scanner(const DataArray& array, std::vector<double>& points) {
-  if (array.is_of_scanner) return;
-  std::array<double, 16> matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-  if (array.to_scanner) matrix = *array.to_scanner;
-  for (std::size_t row = 0; row < 3 && !array.to_scanner; ++row) {
-    const auto center = array.metadata.find(std::string("VolGeomC_") + "RAS"[row]);
-    if (center != array.metadata.end()) matrix[4 * row + 3] = parse_number(center->second).value_or(0);
+/// Row by row, the matrix to the scanner's frame: that of the file, or by the centre of FreeSurfer's volume.
+std::array<double, 16> matrix_to_scanner(vtkXMLDataElement& array) {
+  constexpr const char* kScanner = "NIFTI_XFORM_SCANNER_ANAT";
+  constexpr std::array<double, 16> kSame{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+  std::array<double, 16> matrix = kSame;
+  bool has_matrix = false;
+  for (int n = 0; n < array.GetNumberOfNestedElements(); ++n) {
+    vtkXMLDataElement& system = *array.GetNestedElement(n);
+    if (text_in(system, "DataSpace") == kScanner) return kSame;
+    const std::string text = text_in(system, "MatrixData");
+    const std::vector<std::string_view> numbers = split_blanks(text);
+    if (text_in(system, "TransformedSpace") != kScanner || numbers.size() != 16) continue;
+    has_matrix = true;
+    std::ranges::transform(numbers, matrix.begin(),
+                           [](std::string_view word) { return parse_number(word).value_or(NAN); });
   }
+  vtkXMLDataElement* const metadata = array.FindNestedElementWithName("MetaData");
+  for (int n = 0; !has_matrix && metadata != nullptr && n < metadata->GetNumberOfNestedElements(); ++n) {
+    vtkXMLDataElement& pair = *metadata->GetNestedElement(n);
+    for (std::size_t row = 0; row < 3; ++row) {
+      if (text_in(pair, "Name") == std::string("VolGeomC_") + "RAS"[row])
+        matrix[4 * row + 3] = parse_number(text_in(pair, "Value")).value_or(0);
+    }
+  }
+  return matrix;
+}
+
+}  // namespace
+
+Result<vtkSmartPointer<vtkPolyData>> read_gifti(const fs::path& path) {
+  initialize_vtk();
+  const auto file = vtk::TakeSmartPointer(vtkXMLUtilities::ReadElementFromFile(path.c_str()));
+  if (file == nullptr) return bad_file(path, "is no GIFTI file, or is damaged: its XML is not whole");
+  vtkXMLDataElement* const point_array =
+      file->FindNestedElementWithNameAndAttribute("DataArray", "Intent", "NIFTI_INTENT_POINTSET");
+  vtkXMLDataElement* const triangle_array =
+      file->FindNestedElementWithNameAndAttribute("DataArray", "Intent", "NIFTI_INTENT_TRIANGLE");
+  if (point_array == nullptr || triangle_array == nullptr)
+    return bad_file(path,
+                    "holds no surface: points or triangles are missing (labels and time series have none)");
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<double> points, numbers_of(*point_array, path));
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<double> corners, numbers_of(*triangle_array, path));
+  const std::array<double, 16> matrix = matrix_to_scanner(*point_array);
+  PolygonMesh mesh;
   for (std::size_t p = 0; p < points.size(); p += 3) {
     std::array<double, 3> moved{};
     for (std::size_t row = 0; row < 3; ++row) {
       moved[row] = matrix[4 * row + 3];
       for (std::size_t a = 0; a < 3; ++a) moved[row] += matrix[4 * row + a] * points[p + a];
     }
-    std::ranges::copy(moved, points.begin() + static_cast<std::ptrdiff_t>(p));
+    mesh.points->InsertNextPoint(moved.data());
   }
-}
-
-}  // namespace
-
-Result<vtkSmartPointer<vtkPolyData>> read_gifti(const fs::path& path) {
-  GiftiParser parser;
-  SPLATLAS_RETURN_IF_ERROR(parser.parse(path));
-  const DataArray* const point_array = parser.find("NIFTI_INTENT_POINTSET");
-  const DataArray* const triangle_array = parser.find("NIFTI_INTENT_TRIANGLE");
-  if (point_array == nullptr || triangle_array == nullptr)
-    return bad_file(path,
-                    "holds no surface: points or triangles are missing (labels and time series have none)");
-  SPLATLAS_ASSIGN_OR_RETURN(std::vector<double> points, numbers_of(*point_array, path));
-  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<double> corners, numbers_of(*triangle_array, path));
-  to_scanner(*point_array, points);
-  PolygonMesh mesh;
-  for (std::size_t p = 0; p < points.size(); p += 3) mesh.points->InsertNextPoint(&points[p]);
-  const std::size_t point_count = points.size() / 3;
-  const auto count = static_cast<double>(point_count);
   for (std::size_t t = 0; t < corners.size(); t += 3) {
     std::array<vtkIdType, 3> triangle{};
     for (std::size_t n = 0; n < 3; ++n) {
+      // Others become -1, which has no point.
       const double corner = corners[t + n];
-      if (!(corner >= 0 && corner < count && std::floor(corner) == corner))
-        return bad_file(path, "triangle {} has corner {}, but there are {} points", t / 3, corner, count);
-      triangle[n] = static_cast<vtkIdType>(corner);
+      triangle[n] =
+          std::abs(corner) < 1e9 && std::floor(corner) == corner ? static_cast<vtkIdType>(corner) : -1;
     }
     mesh.add_polygon(triangle);
   }

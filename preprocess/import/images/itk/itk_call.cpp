@@ -30,13 +30,15 @@ std::string message_of(const itk::ExceptionObject& error) {
   const std::size_t address = text.find("(0x");
   const std::size_t end = address == std::string::npos ? address : text.find("): ", address);
   if (end != std::string::npos) text.erase(0, end + 3);
-  // The library of NRRD appends its call stack: the last line, "[nrrd] function: cause", has the cause.
-  if (const std::size_t last = text.rfind("[nrrd] "); last != std::string::npos) {
-    const std::size_t cause = text.find(": ", last);
-    text = cause == std::string::npos ? "" : text.substr(cause + 2);
-    return one_line(text, "cannot be read") + "; sizes, type and encoding in its header must fit its pixels";
-  }
+  if (text.find("[nrrd] ") != std::string::npos) return message_of_teem(text);
   return one_line(text, "ITK gives no reason");
+}
+
+std::string message_of_teem(const std::string& stack) {
+  const std::size_t last = stack.rfind("[nrrd] "), cause = stack.find(": ", std::min(last, stack.size()));
+  std::string text = cause == std::string::npos ? "" : stack.substr(cause + 2);
+  text.erase(std::min(text.find_first_of("\"|("), text.size()));
+  return one_line(text, "cannot be read") + "; sizes, type and encoding in its header must fit its pixels";
 }
 
 VoxelType voxel_type_of(itk::IOComponentEnum component) {

@@ -18,6 +18,10 @@ namespace splatlas {
 /// ITK's message as one line, without object addresses and source locations.
 [[nodiscard]] std::string message_of(const itk::ExceptionObject& error);
 
+/// The cause in a call stack of teem, the library of NRRD: the last line, "[nrrd] function: cause". Ends
+/// before quoted text of the file, which may name a patient.
+[[nodiscard]] std::string message_of_teem(const std::string& stack);
+
 /// Runs `call`, a function that returns a Result. Exceptions of ITK and the standard library become kFailed,
 /// std::bad_alloc becomes kLimit. Messages start with `what`, the name of the file or the step.
 template <typename Call>

@@ -1,10 +1,13 @@
 #include "preprocess/import/images/pixels/check_image_file.h"
 
+#include <algorithm>
+
 #include "format/content/grid.h"
 #include "format/io/memory_limit.h"
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
 #include "preprocess/import/import_error.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 
@@ -16,6 +19,31 @@ Result<ImageFormat> image_format(const fs::path& path) {
   if (name.ends_with(".nrrd") || name.ends_with(".nhdr")) return ImageFormat::kNrrd;
   if (name.ends_with(".mha") || name.ends_with(".mhd")) return ImageFormat::kMetaImage;
   return bad_file(path, "is of no known type; volumes end in .nii, .nii.gz, .nrrd, .nhdr, .mha or .mhd");
+}
+
+std::string shown(const std::string& value) {
+  std::size_t end = value.size();
+  for (const char* mark : {": ", " = ", ":=", " #"}) end = std::min(end, value.find(mark));
+  if (end == value.size()) return value;
+  return value.substr(0, value.find_last_of(' ', end)) + " ...";
+}
+
+Result<fs::path> pixel_file_beside(const fs::path& header, const std::string& name) {
+  // ITK's readers take any name that begins so for a list, and follow its lines to any file.
+  const std::string lower = to_lower(name);
+  if (lower.starts_with("list") || lower.starts_with("skiplist") || name.find('%') != std::string::npos)
+    return bad_file(header, "spreads its pixels over several files; give one file");
+  std::error_code error;
+  const fs::path folder =
+      fs::canonical(header.has_parent_path() ? header.parent_path() : fs::path("."), error);
+  const fs::path target = error ? fs::path() : fs::weakly_canonical(folder / name, error);
+  const auto [rest_of_folder, unused] =
+      std::mismatch(folder.begin(), folder.end(), target.begin(), target.end());
+  if (error || rest_of_folder != folder.end() || fs::path(name).is_absolute()) {
+    return bad_file(header, "names a pixel file outside its own folder: '{}'", shown(name));
+  }
+  SPLATLAS_RETURN_IF_ERROR(check_regular_file(target));
+  return target;
 }
 
 Result<std::uint64_t> payload_bytes(const fs::path& path, std::span<const std::int64_t> sizes,

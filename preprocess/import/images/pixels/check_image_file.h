@@ -34,16 +34,16 @@ enum class Compression : std::uint8_t { kNone, kDeflate, kBzip2 };
 
 /// Location and order of the pixels behind an image header.
 struct PixelData {
-  std::filesystem::path file;
+  std::filesystem::path file = {};
   std::uint64_t start = 0, bytes = 0;            ///< offset in the file, and decompressed length
   std::uint64_t skipped_bytes = 0;               ///< decompressed bytes before the pixels
   Compression compression = Compression::kNone;  ///< else ITK reads the pixels
   bool is_big_endian = false;
   std::size_t layers = 1;
-  bool layers_first = false;                 ///< the layers of a voxel stand together
-  bool has_no_space = false;                 ///< the axes of an NRRD file have no anatomical meaning
-  std::array<bool, 2> misread_axes{};        ///< x and y that ITK leaves with the wrong sign
-  std::map<std::string, std::string> pairs;  ///< key/value pairs of an NRRD header
+  bool layers_first = false;                   ///< the layers of a voxel stand together
+  bool has_no_space = false;                   ///< the axes of an NRRD file have no anatomical meaning
+  std::array<bool, 2> misread_axes{};          ///< x and y that ITK leaves with the wrong sign
+  std::map<std::string, std::string> pairs{};  ///< key/value pairs of an NRRD header
 };
 
 /// Checks a regular NRRD or MetaImage file. kFailed for:
@@ -55,6 +55,14 @@ struct PixelData {
 [[nodiscard]] Result<PixelData> check_meta_image_file(const std::filesystem::path& path);
 
 // Parts of the checks of all formats.
+
+/// A value for messages. Damage may join other lines to it, whose free text may name a patient.
+[[nodiscard]] std::string shown(const std::string& value);
+
+/// The pixel file that a detached header names. kFailed for lists of files, for absolute names, for names
+/// that leave the header's folder through ".." or a symbolic link, and for anything but a regular file.
+[[nodiscard]] Result<std::filesystem::path> pixel_file_beside(const std::filesystem::path& header,
+                                                              const std::string& name);
 
 /// Maximum compression ratio; deflate reaches about 1032.
 inline constexpr std::uint64_t kMaxDeflateRatio = 1100;

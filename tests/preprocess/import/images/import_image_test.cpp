@@ -177,7 +177,7 @@ TEST_F(ImportImage, RefusesImpossibleGeometry) {
     const std::string header = replaced(meta_header(), "= 1 2 3", fmt::format("= {}", spacing));
     refuses("a.mha", header + RawImage::payload(), "ElementSpacing");
   }
-  refuses("a.nrrd", replaced(nrrd(), "(0,0,3)", "(0,0,nan)"), "space directions");
+  refuses("a.nrrd", replaced(nrrd(), "(0,0,3)", "(0,0,nan)"), "space vector");
   refuses("a.nrrd", replaced(nrrd(), "(0,0,3)", "(0,0,0)"), "spacing");
 }
 
@@ -197,10 +197,8 @@ TEST_F(ImportImage, RefusesSizesThatCannotBe) {
   refuses("a.mha", replaced(meta, "8 4 2", "1000 1000 100"), "truncated");
   refuses("a.mha", replaced(meta, "8 4 2", "8.5 4 2"), "'8.5 4 2'");
   EXPECT_TRUE(import_bytes("a.mha", replaced(meta, "8 4 2", "8.0 4 2")));
-  refuses("a.nrrd", nrrd_header("hex") + std::string(100, '0'),
-          "promises 256 bytes of pixels, 100 are there");
-  refuses("a.nrrd", nrrd_header("ascii") + std::string(100, '0'),
-          "promises 127 bytes of pixels, 100 are there");
+  for (const char* encoding : {"hex", "ascii"})
+    refuses("a.nrrd", nrrd_header(encoding) + std::string(100, '0'), "must fit its pixels");
   // A gigabyte cannot come from a kilobyte of gzip: refused ahead of allocation.
   refuses("a.nrrd", replaced(compressed_nrrd(), "8 4 2", "1024 1024 512"), "truncated");
 }
@@ -208,7 +206,7 @@ TEST_F(ImportImage, RefusesSizesThatCannotBe) {
 TEST_F(ImportImage, RefusesPixelsThatAtlasesDoNotTake) {
   refuses("a.nii", with_number<std::int16_t>(nifti(), 70, 32), "type 32");    // complex
   refuses("a.nii", with_number<std::int16_t>(nifti(), 70, 128), "type 128");  // RGB
-  refuses("a.nrrd", replaced(nrrd(), "type: short", "type: MET_SHORT"), "MET_SHORT");
+  refuses("a.nrrd", replaced(nrrd(), "type: short", "type: MET_SHORT"), "type");
   refuses("a.mha", replaced(meta_image(), "MET_SHORT", "short"), "type short");
   const std::string channels = meta_header("ElementNumberOfChannels = 3\n"), pixels = RawImage::payload();
   refuses("a.mha", channels + pixels + pixels + pixels, "3 volumes");

