@@ -18,8 +18,8 @@ check() {
   fi
 }
 
-check product 65200 format preprocess player schemas
-check tests 50900 tests
-check bench 5500 bench
-check build 1700 CMakeLists.txt cmake scripts .ci docs examples
+check product 64740 format preprocess player schemas
+check tests 49910 tests
+check bench 5530 bench
+check build 1825 CMakeLists.txt cmake scripts .ci docs examples
 exit "$bad"
