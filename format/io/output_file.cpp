@@ -142,11 +142,11 @@ struct Unfinished {
 
   /// Ignores file systems that cannot, and folders that may be written and not read.
   [[nodiscard]] Result<void> sync_parent() const {
-    const int parent = ::open(target.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    const int folder = ::open(target.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     const bool synced =
-        parent < 0 ? errno == EACCES : ::fsync(parent) == 0 || errno == EINVAL || errno == ENOTSUP;
+        folder < 0 ? errno == EACCES : ::fsync(folder) == 0 || errno == EINVAL || errno == ENOTSUP;
     const std::string reason = std::strerror(errno);
-    if (parent >= 0) ::close(parent);
+    if (folder >= 0) ::close(folder);
     if (synced) return {};
     return fail(ErrorCode::kFailed, "{}: is written whole, but its folder cannot be synced: {}",
                 path.string(), reason);
