@@ -85,11 +85,11 @@ TEST(SurfaceLevels, StandInUntilSurfacesAreDerived) {
   const AtlasContent content = two_halves();
   Renderer renderer = renderer_of(content, selection_of("left:surface + right:surface", content.graph));
   const Camera camera = camera_of(content, 1.3);
-  EXPECT_EQ(frame_or_throw(renderer, camera, draft(1)).stats.surface_level, 1);
-  RenderOptions normal = draft(1);
+  EXPECT_EQ(frame_or_throw(renderer, camera, draft(kNone)).stats.surface_level, 1);
+  RenderOptions normal = draft(kNone);
   normal.quality = Quality::kNormal;
   EXPECT_EQ(frame_or_throw(renderer, camera, normal).stats.surface_level, 0);
-  (void)frame_or_throw(renderer, camera, draft(kAmple));  // the first draft may have been late
+  (void)frame_or_throw(renderer, camera, draft(kAmple));  // the first draft was late
   EXPECT_EQ(frame_or_throw(renderer, camera, draft(kAmple)).stats.surface_level, 0);
   EXPECT_EQ(frame_or_throw(renderer, camera, draft(kNone)).stats.surface_level, 0);
   EXPECT_EQ(frame_or_throw(renderer, camera, draft(kNone)).stats.surface_level, 1)

@@ -132,7 +132,7 @@ Result<PixelData> check_nrrd_file(const fs::path& path) {
   pixels.has_no_space = nrrd->space == nrrdSpaceUnknown || nrrd->space >= nrrdSpaceScannerXYZ;
   pixels.misread_axes = misread_axes(nrrd->space);
   SPLATLAS_RETURN_IF_ERROR(find_layers(*nrrd, path, pixels));
-  for (unsigned n = 0; n < nrrdKeyValueSize(nrrd.get()); ++n)
+  for (std::size_t n = 0; n < nrrdKeyValueSize(nrrd.get()); ++n)
     pixels.pairs[nrrd->kvp[2 * n]] = nrrd->kvp[2 * n + 1];
 
   const std::string encoding = io->encoding->name;
