@@ -9,17 +9,21 @@ if [[ ${1-} == --fix ]]; then
   clang-format -i "${sources[@]}"
   exit 0
 fi
-wrong=0
-for source in "${sources[@]}"; do
-  lines=$(wc -l <"$source")
-  if ((lines > 400)); then
-    echo "check_format: $source: $lines lines; split it: at most 400" >&2
-    wrong=1
-  fi
-  # Print the first lines of the difference only.
-  clang-format "$source" | diff --label "$source" --label "clang-format's" -u "$source" - | head -n 12 || wrong=1
-done
-if ((wrong)); then
+# Prints too long sources, and the first lines of differences.
+check() {
+  local source lines wrong=0
+  for source in "$@"; do
+    lines=$(wc -l <"$source")
+    if ((lines > 400)); then
+      echo "check_format: $source: $lines lines; split it: at most 400" >&2
+      wrong=1
+    fi
+    clang-format "$source" | diff --label "$source" --label "clang-format's" -u "$source" - | head -n 12 || wrong=1
+  done
+  return $wrong
+}
+export -f check
+if ! printf '%s\n' "${sources[@]}" | xargs -P "$(nproc)" -n 50 bash -c 'set -o pipefail; check "$@"' check; then
   echo "check_format: see the findings above; for the layout: scripts/check_format.sh --fix" >&2
   exit 1
 fi
