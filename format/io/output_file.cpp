@@ -83,8 +83,7 @@ fs::path random_name_beside(const fs::path& target) {
 struct Unfinished {
   /// Finds the old file or folder at `target`, and creates the new one as `temporary`.
   [[nodiscard]] static Result<std::shared_ptr<Unfinished>> create(const fs::path& path,
-                                                                  const fs::path& target,
-                                                                  const fs::path& temporary,
+                                                                  const fs::path& target, fs::path temporary,
                                                                   bool is_folder = false) {
     auto made = std::make_shared<Unfinished>();
     made->path = path;
@@ -93,11 +92,14 @@ struct Unfinished {
     const mode_t mode = (made->old ? 0700 : 0777) & (is_folder ? 0777 : 0666);
     const int flags = O_CLOEXEC | (is_folder ? O_RDONLY | O_DIRECTORY : O_RDWR | O_CREAT | O_EXCL);
     const DeferInterrupts until_registered;
-    if (is_folder && ::mkdir(temporary.c_str(), mode) != 0) return made->error();
-    made->descriptor = ::open(temporary.c_str(), flags, mode);
-    if (!is_folder && made->descriptor < 0) return made->error();
-    made->temporary = temporary;
-    to_remove.insert(temporary);
+    const auto listed = to_remove.insert(temporary.native()).first;  // may throw, so before the file exists
+    const bool has_folder = is_folder && ::mkdir(temporary.c_str(), mode) == 0;
+    if (has_folder || !is_folder) made->descriptor = ::open(temporary.c_str(), flags, mode);
+    if (has_folder || made->descriptor >= 0) {
+      made->temporary = std::move(temporary);
+    } else {
+      to_remove.erase(listed);
+    }
     if (made->descriptor < 0) return made->error();
     return made;
   }
@@ -136,7 +138,7 @@ struct Unfinished {
     return {};
   }
   void keep() {
-    to_remove.erase(temporary);
+    to_remove.erase(temporary.native());
     temporary.clear();
   }
 
