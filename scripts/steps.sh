@@ -2,6 +2,8 @@
 # shellcheck shell=bash
 
 steps_done=()
+# Ninja's default, two more than processors, doubles in the build of the module for pages: caches overflow.
+export CMAKE_BUILD_PARALLEL_LEVEL=${CMAKE_BUILD_PARALLEL_LEVEL:-$(nproc)}
 
 # now_in_seconds: "WALL CPU" since the start of the script. CPU is that of ended processes.
 now_in_seconds() {

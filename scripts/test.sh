@@ -33,7 +33,6 @@ esac
 # shellcheck source=scripts/steps.sh
 source scripts/steps.sh
 
-export CMAKE_BUILD_PARALLEL_LEVEL=${CMAKE_BUILD_PARALLEL_LEVEL:-$(nproc)}
 launcher=()  # command in front of builds and tests
 passed=0
 totals=()
