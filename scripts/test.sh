@@ -78,9 +78,7 @@ fix_addresses() { ! setarch -R true 2>/dev/null || launcher=(setarch -R); }
 
 readonly layers='^(format|player|reference|preprocess)$'
 readonly programs='^(system|window|web|batch|faults|installed)$'
-
-intensity=1
-[[ $form != all ]] || intensity=3
+[[ $form == all ]] && intensity=3 || intensity=1  # SPLATLAS_TEST_INTENSITY
 
 step "Packages" scripts/install_packages.sh
 step "Layers of the sources" scripts/check_layers.sh
