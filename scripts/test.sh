@@ -8,7 +8,7 @@ help() {
   cat <<'HELP'
 Usage: scripts/test.sh [--quick | --all | --help]
 
-  (no option)  The checks of CI, in 25 minutes from nothing on two idle cores: layers, layout and size of the sources;
+  (no option)  The checks of CI, in half an hour from nothing on two idle cores: layers, layout and size of the sources;
                programs, and their tests as users have them; clang-tidy over recent changes; tests of format, player and
                preprocess by Clang with address and undefined behaviour sanitizers.
   --quick      For daily work: the same without sanitizers, and clang-tidy over changes since origin/HEAD.
