@@ -214,7 +214,7 @@ TEST_F(OutputFileTest, LibrariesWriteToItsPath) {
   EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
 }
 
-/// What takes the target's name meanwhile is no file to replace.
+/// A folder that appears at the target's path stays.
 TEST_F(OutputFileTest, DoesNotReplaceAFolder) {
   {
     auto file = OutputFile::create(path);
