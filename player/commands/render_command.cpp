@@ -210,20 +210,17 @@ Error with_option(Error error) {
 Result<void> write_outputs(const RenderRequest& request, std::span<const std::byte> picture,
                            const std::string& stats, const Frame& frame) {
   std::vector<OutputFile> files;
-  const auto write_to = [&files](const std::filesystem::path& path, std::span<const std::byte> bytes) {
-    return add_file(path, bytes, files);
-  };
   if (!request.ids.empty()) {
     SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, encode_ids(frame.ids, request.ids));
-    SPLATLAS_RETURN_IF_ERROR(write_to(request.ids, bytes));
+    SPLATLAS_RETURN_IF_ERROR(add_file(request.ids, bytes, files));
   }
   if (!request.depth.empty()) {
     SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, encode_depths(frame.depths, request.depth));
-    SPLATLAS_RETURN_IF_ERROR(write_to(request.depth, bytes));
+    SPLATLAS_RETURN_IF_ERROR(add_file(request.depth, bytes, files));
   }
   if (!request.stats.empty())
-    SPLATLAS_RETURN_IF_ERROR(write_to(request.stats, std::as_bytes(std::span(stats))));
-  SPLATLAS_RETURN_IF_ERROR(write_to(request.output, picture));
+    SPLATLAS_RETURN_IF_ERROR(add_file(request.stats, std::as_bytes(std::span(stats)), files));
+  SPLATLAS_RETURN_IF_ERROR(add_file(request.output, picture, files));
   return commit_files(files);
 }
 
