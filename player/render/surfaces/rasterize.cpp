@@ -86,8 +86,8 @@ bool Rasterizer::draw_centers(const RasterScene& scene, const RasterOptions& opt
   seen_.resize(options.edge_samples > 1 ? pixels_of(scene) : 0);
   pool.for_each(centers_.size(), [&](std::size_t n) {
     std::unique_ptr<TileRasterizer> worker = take_worker();
-    worker->begin(scene, bins_.box(n));
-    draw_and_finish(n, *worker, options, painted, seen_, centers_[n], count);
+    worker->begin(scene, bins_.box(n), {options.termination_threshold, painted == nullptr, seen_});
+    draw_and_finish(n, *worker, painted, centers_[n], count);
     give_back(std::move(worker));
   });
   return !count.too_many;
@@ -101,9 +101,10 @@ bool Rasterizer::draw_edges(const RasterScene& scene, const RasterOptions& optio
   find_edge_pixels(seen_, scene.size, scene.pixel_voxels, is_edge_, pool);
   pool.for_each(edges_.size(), [&](std::size_t n) {
     std::unique_ptr<TileRasterizer> worker = take_worker();
-    worker->begin_edges(scene, bins_.box(n), is_edge_, pattern_);
+    worker->begin_edges(scene, bins_.box(n), is_edge_, pattern_,
+                        {options.termination_threshold, painted == nullptr});
     count.add(painted != nullptr ? 0 : worker->slots());
-    draw_and_finish(n, *worker, options, painted, {}, edges_[n], count);
+    draw_and_finish(n, *worker, painted, edges_[n], count);
     give_back(std::move(worker));
   });
   return !count.too_many;
@@ -112,22 +113,21 @@ bool Rasterizer::draw_edges(const RasterScene& scene, const RasterOptions& optio
 /// False if there are too many fragments.
 bool Rasterizer::draw_tile(std::size_t tile, TileRasterizer& worker, Count& count) const {
   for (const TileCluster& of : bins_.of_tile(tile)) {
-    if (worker.crossings() > count.limit) count.too_many = true;
+    if (worker.fragments() > count.limit) count.too_many = true;
     if (count.too_many.load(std::memory_order_relaxed)) return false;
     worker.draw(of);
   }
   return !count.too_many;
 }
 
-void Rasterizer::draw_and_finish(std::size_t tile, TileRasterizer& worker, const RasterOptions& options,
-                                 const PaintedPicture* painted, std::span<SurfacesSeen> seen,
+void Rasterizer::draw_and_finish(std::size_t tile, TileRasterizer& worker, const PaintedPicture* painted,
                                  TileFragments& out, Count& count) const {
   if (!draw_tile(tile, worker, count)) return;
   if (painted != nullptr) {
-    worker.paint(options.termination_threshold, *painted, seen);
+    worker.paint(*painted);
     return;
   }
-  worker.finish(options.termination_threshold, out, seen);
+  worker.finish(out);
   count.add(out.fragments.size());
 }
 

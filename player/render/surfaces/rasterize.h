@@ -61,9 +61,8 @@ class Rasterizer {
                   Count& count, ThreadPool& pool);
   bool draw_tile(std::size_t tile, TileRasterizer& worker, Count& count) const;
   /// Draws a tile that `worker` has begun, and paints it or keeps its fragments in `out`.
-  void draw_and_finish(std::size_t tile, TileRasterizer& worker, const RasterOptions& options,
-                       const PaintedPicture* painted, std::span<SurfacesSeen> seen, TileFragments& out,
-                       Count& count) const;
+  void draw_and_finish(std::size_t tile, TileRasterizer& worker, const PaintedPicture* painted,
+                       TileFragments& out, Count& count) const;
   /// Calls visit(pixel, place, fragments) for the samples of a row of tiles, in order of pixels.
   template <typename Visit>
   void for_each_sample(std::size_t tile_row, const RasterScene& scene, const Visit& visit) const;

@@ -74,6 +74,7 @@ struct PixelBox {
 struct ScreenTriangle {
   std::array<ScreenVertex, 3> corner;
   std::int64_t area = 0;  ///< twice the area
+  double per_area = 0;    ///< its inverse
   /// Top-left rule: 0 for left and top edges, whose points are inside, else 1.
   std::array<std::int64_t, 3> opened{};
 
@@ -84,6 +85,7 @@ struct ScreenTriangle {
       std::swap(corner[1], corner[2]);
       area = -area;
     }
+    per_area = 1 / static_cast<double>(area);
     for (std::size_t n = 0; n < 3; ++n) {
       const ScreenVertex& from = corner[(n + 1) % 3];
       const ScreenVertex& to = corner[(n + 2) % 3];
@@ -93,7 +95,6 @@ struct ScreenTriangle {
   /// Barycentric weights of the mesh's corners from the edge functions.
   [[nodiscard]] std::array<float, 3> weights(const std::array<std::int64_t, 3>& edges) const {
     std::array<float, 3> weight{};
-    const double per_area = 1 / static_cast<double>(area);
     for (std::size_t n = 0; n < 3; ++n) {
       weight[n] = static_cast<float>(static_cast<double>(edges[n] + opened[n]) * per_area);
     }
@@ -103,6 +104,12 @@ struct ScreenTriangle {
 
  private:
   bool turned_ = false;
+};
+
+/// Edge functions of a triangle of at most kMaxSide pixels: all are below 2^31 around its pixels.
+struct SmallEdges {
+  static constexpr std::int32_t kMaxSide = 32;
+  std::array<std::int32_t, 3> first{}, per_x{}, per_y{};  ///< at the first pixel; per pixel
 };
 
 /// Incremental edge functions of a triangle; edge n is opposite corner n. Open edges are biased by -1, so
@@ -126,6 +133,22 @@ class EdgeWalk {
     Edges edges = first_;
     for (std::size_t n = 0; n < 3; ++n) edges[n] += (down << kSubPixelBits) * per_y_[n];
     return edges;
+  }
+  /// Edge functions at a pixel, from the first one.
+  [[nodiscard]] Edges at(std::int64_t right, std::int64_t down) const {
+    Edges edges = row(down);
+    for (std::size_t n = 0; n < 3; ++n) edges[n] += (right << kSubPixelBits) * per_x_[n];
+    return edges;
+  }
+  /// The same for the kernels.
+  [[nodiscard]] SmallEdges small() const {
+    SmallEdges small;
+    for (std::size_t n = 0; n < 3; ++n) {
+      small.first[n] = static_cast<std::int32_t>(first_[n]);
+      small.per_x[n] = static_cast<std::int32_t>(per_x_[n] << kSubPixelBits);
+      small.per_y[n] = static_cast<std::int32_t>(per_y_[n] << kSubPixelBits);
+    }
+    return small;
   }
   void step(Edges& edges) const {
     for (std::size_t n = 0; n < 3; ++n) edges[n] += per_x_[n] << kSubPixelBits;

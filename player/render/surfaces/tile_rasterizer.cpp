@@ -6,20 +6,6 @@
 namespace splatlas {
 namespace {
 
-/// Surfaces coincide if their depths lie in the same bin of 1/4096 voxel. The offset moves bin limits away
-/// from common surface depths such as half voxels, where rounding would decide.
-constexpr double kDepthSteps = 4096;
-constexpr double kDepthOffset = 0.3183;
-constexpr std::int64_t kDepthBias =
-    std::int64_t{1} << 40;  // bins; exceeds the depth of any grid, so that all bins are positive
-
-/// Number of the bin of a depth.
-std::uint64_t bin_of(double depth) {
-  const double steps = depth * kDepthSteps + kDepthOffset;
-  const auto whole = static_cast<std::int64_t>(steps);  // std::floor() is slow before SSE4.1
-  return static_cast<std::uint64_t>(whole - (static_cast<double>(whole) > steps ? 1 : 0) + kDepthBias);
-}
-
 /// Depths behind this one are behind an opaque crossing by more than the width of a bin and rounding.
 float hiding(float depth) {
   constexpr float kSurelyBehind = 2 / 4096.0f, kRounding = 0x1p-22f;
@@ -28,13 +14,19 @@ float hiding(float depth) {
 
 }  // namespace
 
-void TileRasterizer::begin(const RasterScene& scene, const PixelBox& tile) {
+void TileRasterizer::begin(const RasterScene& scene, const PixelBox& tile, const TileOptions& options) {
   scene_ = &scene;
   tile_ = tile;
   slot_of_pixel_.clear();
   pixel_hiding_.clear();
   pattern_ = kCentre;
-  clear(std::size_t{kStride} * kStride);
+  seen_ = options.seen;
+  const auto width = static_cast<std::size_t>(scene.size.width);
+  const std::size_t first =
+      static_cast<std::size_t>(tile.y_first) * width + static_cast<std::size_t>(tile.x_first);
+  clear(std::size_t{kStride} * kStride,
+        {options.termination_threshold, options.keeps_fragments,
+         options.seen.empty() ? nullptr : &options.seen[first], width, kStride});
   // Nothing is seen outside the picture
   const auto columns = static_cast<std::uint32_t>(tile.x_last - tile.x_first + 1);
   const auto rows = static_cast<std::uint32_t>(tile.y_last - tile.y_first + 1);
@@ -42,7 +34,14 @@ void TileRasterizer::begin(const RasterScene& scene, const PixelBox& tile) {
     const auto row = hiding_.begin() + std::ptrdiff_t{y} * kStride;
     std::fill(row + (y < rows ? columns : 0), row + kStride, -kNothingHidden);
   }
-  if (scene.faces != nullptr) hide_behind_faces(columns, rows);
+  if (!seen_.empty()) {
+    for (std::uint32_t y = 0; y < rows; ++y) std::fill_n(&seen_[first + y * width], columns, SurfacesSeen{});
+  }
+  if (scene.faces == nullptr) return;
+  hide_behind_faces(columns, rows);
+  if (!options.keeps_fragments) return;
+  for_each_pixel(
+      [&](std::size_t pixel, std::uint32_t slot) { layers_.pass_face(slot, scene.faces->at(pixel).front); });
 }
 
 /// Nothing is seen behind opaque faces.
@@ -59,12 +58,15 @@ void TileRasterizer::hide_behind_faces(std::uint32_t columns, std::uint32_t rows
 }
 
 void TileRasterizer::begin_edges(const RasterScene& scene, const PixelBox& tile,
-                                 std::span<const std::uint8_t> wanted, std::span<const SubPixel> pattern) {
+                                 std::span<const std::uint8_t> wanted, std::span<const SubPixel> pattern,
+                                 const TileOptions& options) {
   scene_ = &scene;
   tile_ = tile;
   pattern_ = pattern;
   slot_of_pixel_.assign(std::size_t{kStride} * kStride, kNone);
   pixel_hiding_.assign(std::size_t{kStride} * kStride, -kNothingHidden);
+  pixel_of_slot_.clear();
+  seen_ = {};
   std::uint32_t slots = 0;
   for (std::int32_t y = tile.y_first; y <= tile.y_last; ++y) {
     const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(scene.size.width);
@@ -73,49 +75,48 @@ void TileRasterizer::begin_edges(const RasterScene& scene, const PixelBox& tile,
       const auto pixel =
           static_cast<std::size_t>((y - tile.y_first) * TileBins::kTileSide + x - tile.x_first);
       slot_of_pixel_[pixel] = slots;
+      pixel_of_slot_.push_back(static_cast<std::uint32_t>(pixel));
       pixel_hiding_[pixel] = kNothingHidden;
       slots += static_cast<std::uint32_t>(pattern.size());
     }
   }
-  clear(slots);
+  clear(slots,
+        {.termination_threshold = options.termination_threshold, .keeps_fragments = options.keeps_fragments});
   for (std::uint32_t block = 0; block < block_hiding_.size(); ++block) renew_block(block);
 }
 
-void TileRasterizer::clear(std::size_t slots) {
+void TileRasterizer::clear(std::size_t slots, const TileLayers::Options& options) {
   hiding_.assign(slots, kNothingHidden);
   nearest_.resize(slots);
   block_hiding_.fill(kNothingHidden);
-  crossings_.clear();
+  layers_.begin(*scene_, slots, options);
+}
+
+void TileRasterizer::pass_layers(float depth) {
+  const std::span<const std::uint32_t> ended = layers_.pass(depth);
+  if (ended.empty()) return;
+  for (const std::uint32_t slot : ended) {
+    hiding_[slot] = -kNothingHidden;
+    if (!slot_of_pixel_.empty()) renew_pixel(pixel_of_slot_[slot / pattern_.size()]);
+  }
+  for (std::uint32_t block = 0; block < block_hiding_.size(); ++block) renew_block(block);
 }
 
 void TileRasterizer::draw(const TileCluster& of) {
+  if (layers_.is_due()) pass_layers(of.nearest);
   if (is_hidden(of)) return;
   const SurfaceDraw& surface = scene_->surfaces[of.surface];
   const SurfaceClusters::Cluster cluster = (*surface.clusters)[of.cluster];
-  place_vertices(cluster, of.is_cut);
+  cluster_.place(cluster, *scene_, of.is_cut ? scene_->cuts : nullptr);
   changed_ = false;
   Current current;
   current.surface = of.surface;
   current.is_opaque = surface.is_opaque();
   current.hides_back = current.is_opaque && surface.clusters->is_closed() && scene_->cuts == nullptr &&
                        scene_->projection.is_parallel();
-  for (std::size_t n = 0; n < cluster.triangles.size(); ++n) {
-    const SurfaceClusters::Triangle& triangle = cluster.triangles[n];
-    const Vertex& a = vertices_[triangle.corners[0]];
-    const Vertex& b = vertices_[triangle.corners[1]];
-    const Vertex& c = vertices_[triangle.corners[2]];
-    if ((a.removing & b.removing & c.removing) != 0) continue;
-    current.triangle = cluster.first + static_cast<std::uint32_t>(n);
-    current.front = triangle.front;
-    current.cuts = (a.removing | b.removing | c.removing) != 0 ? scene_->cuts : nullptr;
-    current.nearest = std::min({a.depth, b.depth, c.depth});
-    current.depths = {a.depth, b.depth, c.depth};
-    current.points = {a.point, b.point, c.point};
-    if (a.snapped.is_on() && b.snapped.is_on() && c.snapped.is_on()) {
-      draw_triangle({a.snapped, b.snapped, c.snapped}, current);
-    } else {
-      draw_parts(current);
-    }
+  for (const std::uint32_t n : cluster_.triangles_in(tile_, slot_of_pixel_.empty() ? 0 : kHalfPixel)) {
+    current.triangle = cluster.first + n;
+    draw(cluster.triangles[n], current);
   }
   if (!changed_) return;
   for (std::uint32_t y = of.y_first; y <= of.y_last; ++y) {
@@ -166,16 +167,21 @@ void TileRasterizer::renew_block(std::uint32_t block) {
   block_hiding_[block] = *std::ranges::max_element(furthest);
 }
 
-void TileRasterizer::place_vertices(const SurfaceClusters::Cluster& cluster, bool is_cut) {
-  vertices_.resize(cluster.positions_ijk.size());
-  const auto sign = static_cast<float>(scene_->depth_sign);
-  for (std::size_t n = 0; n < vertices_.size(); ++n) {
-    const std::array<float, 3>& position = cluster.positions_ijk[n];
-    Vertex& vertex = vertices_[n];
-    vertex.point = scene_->projection.on_screen(position);
-    vertex.snapped = snapped(vertex.point);
-    vertex.depth = sign * position[scene_->depth_axis];
-    vertex.removing = is_cut ? scene_->cuts->removing(position) : 0;
+void TileRasterizer::draw(const SurfaceClusters::Triangle& triangle, Current& current) {
+  const auto& [a, b, c] = triangle.corners;
+  const std::array<std::uint8_t, 3> removing{cluster_.removing(a), cluster_.removing(b),
+                                             cluster_.removing(c)};
+  if ((removing[0] & removing[1] & removing[2]) != 0) return;
+  current.front = triangle.front;
+  current.cuts = (removing[0] | removing[1] | removing[2]) != 0 ? scene_->cuts : nullptr;
+  current.depths = {cluster_.depth(a), cluster_.depth(b), cluster_.depth(c)};
+  current.nearest = std::min({cluster_.depth(a), cluster_.depth(b), cluster_.depth(c)});
+  current.points = {cluster_.point(a), cluster_.point(b), cluster_.point(c)};
+  const std::array<ScreenVertex, 3> snapped{cluster_.snapped(a), cluster_.snapped(b), cluster_.snapped(c)};
+  if (snapped[0].is_on() && snapped[1].is_on() && snapped[2].is_on()) {
+    draw_triangle(snapped, current);
+  } else {
+    draw_parts(current);
   }
 }
 
@@ -198,12 +204,15 @@ void TileRasterizer::draw_triangle(const std::array<ScreenVertex, 3>& corners, C
   const std::int64_t area = doubled_area(corners[0], corners[1], corners[2]);
   if (area == 0 || (area > 0 && current.hides_back)) return;
   const bool at_centers = slot_of_pixel_.empty();
-  const PixelBox box =
-      intersection(pixels_of(corners[0], corners[1], corners[2], at_centers ? 0 : kHalfPixel), tile_);
+  const PixelBox whole = pixels_of(corners[0], corners[1], corners[2], at_centers ? 0 : kHalfPixel);
+  const PixelBox box = intersection(whole, tile_);
   if (box.empty() || is_hidden(box, current.nearest)) return;
   const ScreenTriangle t(corners, area);
   current.attributes.reset();
-  if (at_centers) {
+  if (at_centers && whole.x_last - whole.x_first < SmallEdges::kMaxSide &&
+      whole.y_last - whole.y_first < SmallEdges::kMaxSide) {
+    sample_small(t, box, current);
+  } else if (at_centers) {
     sample_centers(t, box, current);
   } else {
     sample_patterns(t, box, current);
@@ -217,9 +226,7 @@ inline __attribute__((always_inline)) void TileRasterizer::hit(const ScreenTrian
                                                                Current& current) {
   // Find the depth, unless the triangle is hidden
   if (current.nearest > hiding_[slot]) return;
-  if (!current.attributes)
-    current.attributes.emplace(current.points, current.depths, scene_->projection.is_parallel(),
-                               current.part);
+  if (!current.attributes) set_up_side(current);
   const TriangleAttributes& attributes = *current.attributes;
   const double depth = attributes.depth_at(x, y);
   if (static_cast<float>(depth) > hiding_[slot]) return;
@@ -228,26 +235,46 @@ inline __attribute__((always_inline)) void TileRasterizer::hit(const ScreenTrian
     if (!(depth >= kept.from && depth <= kept.to)) return;
   }
 
-  // Quantise it into the sort key
-  const bool front = current.front == SurfaceClusters::Front::kBoth ||
-                     (current.front == SurfaceClusters::Front::kClockwise) == attributes.is_clockwise();
-  Crossing crossing{.order = bin_of(depth) << 1 | (front ? 1 : 0),
-                    .slot = slot,
-                    .depth = static_cast<float>(depth),
-                    .surface = current.surface,
-                    .triangle = current.triangle};
-  if (has_nearest(slot) && !in_front(crossing, nearest_[slot])) return;
-
-  std::array<float, 3> weight = t.weights(edges);
-  attributes.correct(weight);
-  crossing.weights = {weight[1], weight[2]};
-  if (current.is_opaque) {
-    nearest_[slot] = crossing;
-    hiding_[slot] = hiding(crossing.depth);
-    changed_ = true;
+  const auto fill = [&](Crossing& crossing) {
+    crossing.depth = depth;
+    crossing.slot = slot;
+    crossing.side = current.side;
+    crossing.triangle = current.triangle;
+    std::array<float, 3> weight = t.weights(edges);
+    attributes.correct(weight);
+    const float first_weight = 1 - weight[1] - weight[2];
+    for (std::size_t c = 0; c < 3; ++c) {
+      crossing.normal_lps[c] = first_weight * current.normals[0][c] + weight[1] * current.normals[1][c] +
+                               weight[2] * current.normals[2][c];
+    }
+  };
+  if (!has_nearest(slot) && !current.is_opaque) {
+    fill(layers_.add());
     return;
   }
-  crossings_.push_back(crossing);
+  Crossing crossing;
+  fill(crossing);
+  if (has_nearest(slot) && !in_front(crossing, nearest_[slot], *scene_)) return;
+  if (current.is_opaque) {
+    nearest_[slot] = crossing;
+    hiding_[slot] = hiding(static_cast<float>(depth));
+    changed_ = true;
+  } else {
+    layers_.add() = crossing;
+  }
+}
+
+/// Finds the visible side of the triangle, and its normals.
+void TileRasterizer::set_up_side(Current& current) const {
+  current.attributes.emplace(current.points, current.depths, scene_->projection.is_parallel(), current.part);
+  const bool front =
+      current.front == SurfaceClusters::Front::kBoth ||
+      (current.front == SurfaceClusters::Front::kClockwise) == current.attributes->is_clockwise();
+  current.side = current.surface << 1 | (front ? 1 : 0);
+  const auto corners = scene_->surfaces[current.surface].clusters->normals(current.triangle);
+  for (std::size_t n = 0; n < 3; ++n) {
+    for (std::size_t c = 0; c < 3; ++c) current.normals[n][c] = front ? corners[n][c] : -corners[n][c];
+  }
 }
 
 void TileRasterizer::sample_centers(const ScreenTriangle& t, const PixelBox& box, Current& current) {
@@ -257,6 +284,21 @@ void TileRasterizer::sample_centers(const ScreenTriangle& t, const PixelBox& box
     const std::int32_t row = (y - tile_.y_first) * TileBins::kTileSide - tile_.x_first;
     for (std::int32_t x = box.x_first; x <= box.x_last; ++x, walk.step(edges)) {
       if (EdgeWalk::inside(edges)) hit(t, edges, x, y, static_cast<std::uint32_t>(row + x), current);
+    }
+  }
+}
+
+void TileRasterizer::sample_small(const ScreenTriangle& t, const PixelBox& box, Current& current) {
+  const EdgeWalk walk(t, box.x_first, box.y_first);
+  std::array<std::uint32_t, SmallEdges::kMaxSide> covered;
+  const std::int32_t rows = box.y_last - box.y_first + 1;
+  raster_kernels().cover(walk.small(), box.x_last - box.x_first + 1, rows, covered.data());
+  for (std::int32_t y = 0; y < rows; ++y) {
+    const std::int32_t row =
+        (box.y_first + y - tile_.y_first) * TileBins::kTileSide + box.x_first - tile_.x_first;
+    for (std::uint32_t bits = covered[static_cast<std::size_t>(y)]; bits != 0; bits &= bits - 1) {
+      const std::int32_t x = std::countr_zero(bits);
+      hit(t, walk.at(x, y), box.x_first + x, box.y_first + y, static_cast<std::uint32_t>(row + x), current);
     }
   }
 }

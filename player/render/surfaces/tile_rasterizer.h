@@ -12,8 +12,10 @@
 #include "player/render/surfaces/edge_pixels.h"
 #include "player/render/surfaces/fragments.h"
 #include "player/render/surfaces/raster_scene.h"
+#include "player/render/surfaces/screen_cluster.h"
 #include "player/render/surfaces/screen_triangle.h"
 #include "player/render/surfaces/tile_bins.h"
+#include "player/render/surfaces/tile_layers.h"
 
 namespace splatlas {
 
@@ -34,30 +36,39 @@ struct PaintedPicture {
   std::span<float> depths;  ///< of opaque surfaces; empty: not asked for
 };
 
+/// How a tile is drawn.
+struct TileOptions {
+  /// A slot ends once its transmittance is at most this, such as behind an opaque fragment.
+  float termination_threshold = 0;
+  bool keeps_fragments = false;  ///< for finish(); false: for paint()
+  std::span<SurfacesSeen>
+      seen{};  ///< of the picture: receives a summary of every pixel; empty: not asked for
+};
+
 /// Rasteriser of one tile after another; keeps its memory between tiles. A slot is a sample position with the
-/// nearest opaque crossing and a list of translucent ones. Not thread-safe.
+/// nearest opaque crossing, and the layers of translucent surfaces in front of it. Not thread-safe.
 class TileRasterizer {
  public:
   /// Slot of a pixel centre in a tile: kStride per row, also in tiles at the border of the picture.
   static constexpr std::uint32_t kStride = TileBins::kTileSide;
 
-  /// Begins a tile with one slot per pixel, at its centre.
-  void begin(const RasterScene& scene, const PixelBox& tile);
+  /// Begins a tile with one slot per pixel, at its centre. To keep fragments, the faces of the scene are in
+  /// front of and behind them.
+  void begin(const RasterScene& scene, const PixelBox& tile, const TileOptions& options);
   /// Begins a tile with one slot per point of `pattern` in every pixel whose `wanted` flag is not 0, row by
-  /// row. `wanted` has a flag for every pixel of the picture. `pattern` must outlive the tile.
+  /// row. `wanted` has a flag for every pixel of the picture. `pattern` must outlive the tile. Makes no
+  /// summaries.
   void begin_edges(const RasterScene& scene, const PixelBox& tile, std::span<const std::uint8_t> wanted,
-                   std::span<const SubPixel> pattern);
-  /// Rasterises a cluster of the tile. Opaque surfaces must come first, and near ones should.
+                   std::span<const SubPixel> pattern, const TileOptions& options);
+  /// Rasterises the next cluster of the tile: opaque surfaces come first, and then near ones.
   void draw(const TileCluster& of);
-  /// Sorts fragments by slot and depth. A slot ends once its transmittance is at most
-  /// `termination_threshold`, such as behind an opaque fragment. `seen` of the picture receives a summary of
-  /// every pixel unless it is empty; the faces of the scene are in front of and behind all fragments.
-  void finish(float termination_threshold, TileFragments& out, std::span<SurfacesSeen> seen);
-  /// Composites the fragments instead, and writes the mean of the slots of each pixel into the picture.
-  void paint(float termination_threshold, const PaintedPicture& picture, std::span<SurfacesSeen> seen);
+  /// Ends the tile: sorts its fragments by slot and depth.
+  void finish(TileFragments& out);
+  /// Ends the tile: writes the mean of the slots of each pixel into the picture.
+  void paint(const PaintedPicture& picture);
 
-  /// Number of translucent crossings so far.
-  [[nodiscard]] std::size_t crossings() const { return crossings_.size(); }
+  /// Number of fragments so far.
+  [[nodiscard]] std::size_t fragments() const { return layers_.fragments().size(); }
   [[nodiscard]] std::size_t slots() const { return hiding_.size(); }
 
  private:
@@ -65,21 +76,6 @@ class TileRasterizer {
   static constexpr std::uint32_t kNone = 0xffffffff;
   static constexpr float kNothingHidden = std::numeric_limits<float>::infinity();
 
-  /// Intersection of a surface with the ray of a slot.
-  struct Crossing {
-    std::uint64_t order = 0;  ///< sort key: depth bin, then back faces before front faces
-    std::uint32_t slot = 0;
-    float depth = 0;
-    std::uint32_t surface = 0, triangle = 0;
-    std::array<float, 2> weights{};  ///< of the second and third corner
-  };
-  /// A vertex of the current cluster.
-  struct Vertex {
-    ScreenVertex snapped;
-    ScreenPoint point;
-    float depth = 0;
-    std::uint8_t removing = 0;  ///< planes of the cut that remove it
-  };
   /// The triangle, or a part of it, that is being rasterised.
   struct Current {
     std::uint32_t surface = 0, triangle = 0;
@@ -92,16 +88,20 @@ class TileRasterizer {
     const ClippedTriangle* part = nullptr;
     const CutRays* cuts = nullptr;  ///< null if it is kept whole
     std::optional<TriangleAttributes> attributes;
+    std::uint32_t side = 0;                         ///< Crossing::side, with the attributes
+    std::array<std::array<float, 3>, 3> normals{};  ///< of the corners, on the visible side; the same
   };
 
-  void clear(std::size_t slots);
+  void clear(std::size_t slots, const TileLayers::Options& options);
   [[nodiscard]] bool is_hidden(const TileCluster& of) const;
-  void place_vertices(const SurfaceClusters::Cluster& cluster, bool is_cut);
+  void draw(const SurfaceClusters::Triangle& triangle, Current& current);
   void draw_parts(Current& current);
   void draw_triangle(const std::array<ScreenVertex, 3>& corners, Current& current);
   [[nodiscard]] bool is_hidden(const PixelBox& box, float nearest) const;
   void sample_centers(const ScreenTriangle& t, const PixelBox& box, Current& current);
+  void sample_small(const ScreenTriangle& t, const PixelBox& box, Current& current);
   void sample_patterns(const ScreenTriangle& t, const PixelBox& box, Current& current);
+  void set_up_side(Current& current) const;
   /// A sample inside a triangle; `x`, `y` with integer pixel centres.
   void hit(const ScreenTriangle& t, const EdgeWalk::Edges& edges, double x, double y, std::uint32_t slot,
            Current& current);
@@ -114,21 +114,12 @@ class TileRasterizer {
   }
   void renew_pixel(std::uint32_t pixel);
   void renew_block(std::uint32_t block);
-  [[nodiscard]] bool in_front(const Crossing& a, const Crossing& b) const;
-  /// Interpolated normal of the visible side, in LPS.
-  [[nodiscard]] std::array<float, 3> normal_of(const Crossing& crossing) const;
-  /// Identifies a surface and its side.
-  static std::uint32_t side_of(const Crossing& crossing) {
-    return (crossing.surface << 1) | static_cast<std::uint32_t>(crossing.order & 1);
-  }
-  void sort_by_slot();
-  void sort_slot(std::span<std::uint32_t> of_slot) const;
-  [[nodiscard]] Fragment fragment(const Crossing& crossing) const;
-  /// Composites the fragments of a slot, front to back. Adds them to `out` and to `seen`, unless null.
-  Radiance finish_slot(std::uint32_t slot, const RayFaces& faces, float termination_threshold,
-                       std::vector<Fragment>* out, SurfacesSeen* seen);
+  /// Composites the layers that no crossing at `depth` or behind it can precede.
+  void pass_layers(float depth);
+  /// Composites all layers, opaque surfaces included.
+  void pass_all_layers();
   /// paint() of a row of pixel centres without translucent crossings.
-  void paint_opaque_row(std::int32_t y, const PaintedPicture& picture, std::span<SurfacesSeen> seen) const;
+  void paint_opaque_row(std::int32_t y, const PaintedPicture& picture) const;
   /// Calls visit(pixel of the picture, first slot) for the pixels of the tile that have slots, row by row.
   template <typename Visit>
   void for_each_pixel(const Visit& visit) const;
@@ -142,13 +133,23 @@ class TileRasterizer {
   std::vector<float> pixel_hiding_;  // furthest of the slots of each pixel; empty if that is hiding_
   std::array<float, std::size_t{kBlocks} * kBlocks> block_hiding_{};  // furthest of the pixels of each block
   bool changed_ = false;                                              // by the current cluster
-  std::vector<Vertex> vertices_;                                      // of the current cluster
+  ScreenCluster cluster_;
   std::vector<ClippedTriangle> parts_;
-  std::vector<Crossing> crossings_;         // translucent
-  std::vector<Crossing> sorted_;            // by slot
-  std::vector<std::uint32_t> end_of_slot_;  // in sorted_; empty without translucent ones
-  std::vector<std::uint32_t> order_;        // of sorted_, by depth within a slot
-  std::vector<std::uint32_t> hulls_;        // of the ghosts that the current slot has passed
+  std::vector<std::uint32_t> pixel_of_slot_;  // by slot over the size of the pattern
+  std::span<SurfacesSeen> seen_;
+  TileLayers layers_;
 };
+
+template <typename Visit>
+void TileRasterizer::for_each_pixel(const Visit& visit) const {
+  for (std::int32_t y = tile_.y_first; y <= tile_.y_last; ++y) {
+    const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(scene_->size.width);
+    auto in_tile = static_cast<std::uint32_t>(y - tile_.y_first) * kStride;
+    for (std::int32_t x = tile_.x_first; x <= tile_.x_last; ++x, ++in_tile) {
+      const std::uint32_t slot = slot_of_pixel_.empty() ? in_tile : slot_of_pixel_[in_tile];
+      if (slot != kNone) visit(row + static_cast<std::size_t>(x), slot);
+    }
+  }
+}
 
 }  // namespace splatlas

@@ -1,0 +1,148 @@
+#include "player/render/surfaces/tile_layers.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+namespace splatlas {
+namespace {
+
+/// Crossings that wait at least: they fit the L2 cache.
+constexpr std::size_t kDue = 4096;
+/// Crossings that are lit together.
+constexpr std::size_t kBatch = 128;
+/// Sides of faces of cuts in SurfacesSeen::add().
+constexpr std::uint32_t kFaceSide = 0x80000000;
+
+}  // namespace
+
+bool in_front(const Crossing& a, const Crossing& b, const RasterScene& scene) {
+  const std::int64_t bin_of_a = depth_bin(a.depth), bin_of_b = depth_bin(b.depth);
+  if (bin_of_a != bin_of_b) return bin_of_a < bin_of_b;
+  if ((a.side & 1) != (b.side & 1)) return (a.side & 1) < (b.side & 1);
+  const SurfaceDraw& of_a = scene.surfaces[a.surface()];
+  const SurfaceDraw& of_b = scene.surfaces[b.surface()];
+  if (of_a.structure != of_b.structure) return of_a.structure < of_b.structure;
+  return of_a.clusters->number(a.triangle) < of_b.clusters->number(b.triangle);
+}
+
+void TileLayers::begin(const RasterScene& scene, std::size_t slots, const Options& options) {
+  scene_ = &scene;
+  options_ = options;
+  any_ = false;
+  has_ghosts_ =
+      std::ranges::any_of(scene.surfaces, [](const SurfaceDraw& of) { return of.ghost.has_value(); });
+  radiances_.assign(slots, {});
+  transmittances_.assign(slots, 1);
+  first_.assign(slots, kNone);
+  hull_.clear();
+  hulls_.clear();
+  due_ = kDue;
+  waiting_.clear();
+  fragments_.clear();
+}
+
+void TileLayers::pass_face(std::uint32_t slot, const Face& face) {
+  float& transmittance = transmittances_[slot];
+  if (options_.seen != nullptr && face.shows() && is_clear(slot))
+    seen(slot)->add(kFaceSide | face.structure, transmittance, {face.depth, face.rgba, face.structure});
+  transmittance *= 1 - face.rgba[3];
+}
+
+std::span<const std::uint32_t> TileLayers::pass(float depth) {
+  ended_.clear();
+  // Those of earlier bins, and one bin more: rounding may place the depth behind it
+  const double end = static_cast<double>(depth) - 2 / 4096.0;
+  const auto behind = std::partition(waiting_.begin(), waiting_.end(),
+                                     [end](const Crossing& crossing) { return crossing.depth < end; });
+  any_ |= behind != waiting_.begin();
+  sort_slots(static_cast<std::uint32_t>(behind - waiting_.begin()));
+  for (std::size_t n = 0; n < sequence_.size(); n += kBatch)
+    composite(std::span(sequence_).subspan(n, std::min(kBatch, sequence_.size() - n)));
+  waiting_.erase(waiting_.begin(), behind);
+  due_ = std::max(kDue, 2 * waiting_.size());
+  return ended_;
+}
+
+/// Makes the sequence of the first `count` crossings, without those that are hidden.
+void TileLayers::sort_slots(std::uint32_t count) {
+  next_.resize(count);
+  for (std::uint32_t n = count; n-- > 0;) next_[n] = std::exchange(first_[waiting_[n].slot], n);
+  sequence_.clear();
+  for (std::uint32_t n = 0; n < count; ++n) {
+    const std::uint32_t slot = waiting_[n].slot;
+    if (first_[slot] != n) continue;  // taken with an earlier one
+    first_[slot] = kNone;
+    if (!is_clear(slot)) continue;
+    if (next_[n] == kNone) {
+      take(n);
+    } else {
+      sort_chain(n);
+    }
+  }
+}
+
+/// Sorts the crossings of a slot into the sequence: few, and often in order.
+void TileLayers::sort_chain(std::uint32_t first) {
+  chain_.clear();
+  for (std::uint32_t n = first; n != kNone; n = next_[n]) chain_.push_back(n);
+  for (std::size_t n = 1; n < chain_.size(); ++n) {
+    const std::uint32_t moved = chain_[n];
+    std::size_t to = n;
+    for (; to > 0 && in_front(waiting_[moved], waiting_[chain_[to - 1]], *scene_); --to)
+      chain_[to] = chain_[to - 1];
+    chain_[to] = moved;
+  }
+  for (const std::uint32_t n : chain_) take(n);
+}
+
+void TileLayers::take(std::uint32_t crossing) {
+  if (has_ghosts_) {
+    const std::optional<std::uint32_t>& ghost = scene_->surfaces[waiting_[crossing].surface()].ghost;
+    if (ghost && !enters_hull(waiting_[crossing].slot, *ghost)) return;
+  }
+  sequence_.push_back(crossing);
+}
+
+/// False if the slot has passed the hull of this ghost.
+bool TileLayers::enters_hull(std::uint32_t slot, std::uint32_t ghost) {
+  if (hull_.empty()) hull_.assign(transmittances_.size(), kNone);
+  for (std::uint32_t n = hull_[slot]; n != kNone; n = hulls_[n].before) {
+    if (hulls_[n].ghost == ghost) return false;
+  }
+  hulls_.push_back({ghost, hull_[slot]});
+  hull_[slot] = static_cast<std::uint32_t>(hulls_.size() - 1);
+  return true;
+}
+
+void TileLayers::composite(std::span<const std::uint32_t> crossings) {
+  std::array<std::array<float, kBatch>, 3> normals;
+  std::array<float, kBatch> diffuse, highlight;
+  for (std::size_t n = 0; n < crossings.size(); ++n) {
+    for (std::size_t c = 0; c < 3; ++c) normals[c][n] = waiting_[crossings[n]].normal_lps[c];
+  }
+  scene_->lighting.on_surfaces(crossings.size(), {normals[0].data(), normals[1].data(), normals[2].data()},
+                               diffuse.data(), highlight.data());
+  for (std::size_t n = 0; n < crossings.size(); ++n) {
+    const Crossing& crossing = waiting_[crossings[n]];
+    if (!is_clear(crossing.slot)) continue;
+    const SurfaceDraw& surface = scene_->surfaces[crossing.surface()];
+    Radiance& radiance = radiances_[crossing.slot];
+    float& transmittance = transmittances_[crossing.slot];
+    SurfaceShading shading{diffuse[n], highlight[n]};
+    float opacity = surface.opacity;
+    if (surface.ghost) {
+      shading = {};
+      opacity *= ghost_share(scene_->lighting.facing(crossing.normal_lps));
+    }
+    Fragment fragment{static_cast<float>(crossing.depth), {0, 0, 0, opacity}, surface.structure};
+    for (std::size_t c = 0; c < 3; ++c) fragment.rgba[c] = shading.on(surface.color[c]) * opacity;
+    if (options_.keeps_fragments) fragments_.push_back({crossing.slot, fragment});
+    if (options_.seen != nullptr) seen(crossing.slot)->add(crossing.side, transmittance, fragment);
+    for (std::size_t c = 0; c < 4; ++c) radiance.rgba[c] += transmittance * fragment.rgba[c];
+    transmittance *= 1 - opacity;
+    if (!is_clear(crossing.slot)) ended_.push_back(crossing.slot);
+  }
+}
+
+}  // namespace splatlas

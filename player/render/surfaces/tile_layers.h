@@ -1,0 +1,114 @@
+// Layers of surfaces in front of the samples of a tile, composited front to back while it is rasterised.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "player/render/surfaces/edge_pixels.h"
+#include "player/render/surfaces/fragments.h"
+#include "player/render/surfaces/raster_scene.h"
+
+namespace splatlas {
+
+/// Intersection of a surface with the ray of a slot, a sample of a tile.
+struct Crossing {
+  double depth = 0;
+  std::uint32_t slot = 0;
+  std::uint32_t side = 0;             ///< twice the number of the surface, and 1 more on its front
+  std::uint32_t triangle = 0;         ///< place in the clusters
+  std::array<float, 3> normal_lps{};  ///< interpolated; of the visible side
+
+  [[nodiscard]] std::uint32_t surface() const { return side >> 1; }
+};
+
+/// Number of the bin of a depth. Surfaces coincide if their depths lie in the same bin of 1/4096 voxel. The
+/// offset moves bin limits away from common surface depths such as half voxels, where rounding would decide.
+[[nodiscard]] inline std::int64_t depth_bin(double depth) {
+  constexpr double kSteps = 4096, kOffset = 0.3183;
+  const double steps = depth * kSteps + kOffset;
+  const auto whole = static_cast<std::int64_t>(steps);  // std::floor() is slow before SSE4.1
+  return whole - (static_cast<double>(whole) > steps ? 1 : 0);
+}
+/// True for the crossing in front of the other one, in the same slot. Where surfaces coincide, back faces
+/// precede front faces, and then structures decide.
+[[nodiscard]] bool in_front(const Crossing& a, const Crossing& b, const RasterScene& scene);
+
+/// A fragment of a slot.
+struct SlotFragment {
+  std::uint32_t slot = 0;
+  Fragment fragment;
+};
+
+/// Compositor of the slots of a tile. Crossings wait until everything in front of them is known. A slot ends
+/// once its transmittance falls to the threshold. Keeps its memory between tiles. Not thread-safe.
+class TileLayers {
+ public:
+  struct Options {
+    float termination_threshold = 0;
+    bool keeps_fragments = false;  ///< and does not only composite them
+    SurfacesSeen* seen = nullptr;  ///< summary of the first slot; null: not asked for
+    std::size_t seen_per_row = 0;  ///< distance of the summaries of slots `slots_per_row` apart
+    std::uint32_t slots_per_row = 1;
+  };
+  /// Begins a tile of clear slots. `scene` must outlive it.
+  void begin(const RasterScene& scene, std::size_t slots, const Options& options);
+
+  /// A face of a cut in front of a slot, or behind everything in it.
+  void pass_face(std::uint32_t slot, const Face& face);
+  /// Adds a crossing, for the caller to fill in.
+  Crossing& add() { return waiting_.emplace_back(); }
+  /// True if so many crossings wait that it is time to composite.
+  [[nodiscard]] bool is_due() const { return waiting_.size() >= due_; }
+  /// Composites the crossings that no crossing at `depth` or behind it can precede. Returns the slots that
+  /// end there.
+  std::span<const std::uint32_t> pass(float depth);
+
+  /// True if the tile had any crossing.
+  [[nodiscard]] bool any() const { return any_ || !waiting_.empty(); }
+  [[nodiscard]] bool is_clear(std::uint32_t slot) const {
+    return transmittances_[slot] > options_.termination_threshold;
+  }
+  [[nodiscard]] const Radiance& radiance(std::uint32_t slot) const { return radiances_[slot]; }
+  /// Fragments so far, front to back within each slot.
+  [[nodiscard]] std::span<const SlotFragment> fragments() const { return fragments_; }
+
+ private:
+  static constexpr std::uint32_t kNone = 0xffffffff;
+
+  struct Hull {
+    std::uint32_t ghost = 0;
+    std::uint32_t before = kNone;
+  };
+
+  void sort_slots(std::uint32_t count);
+  void sort_chain(std::uint32_t first);
+  void take(std::uint32_t crossing);
+  [[nodiscard]] bool enters_hull(std::uint32_t slot, std::uint32_t ghost);
+  void composite(std::span<const std::uint32_t> crossings);
+  [[nodiscard]] SurfacesSeen* seen(std::uint32_t slot) const {
+    if (options_.seen == nullptr) return nullptr;
+    return options_.seen + slot / options_.slots_per_row * options_.seen_per_row +
+           slot % options_.slots_per_row;
+  }
+
+  const RasterScene* scene_ = nullptr;
+  Options options_;
+  bool any_ = false, has_ghosts_ = false;
+  std::vector<Radiance> radiances_;      // of the slots
+  std::vector<float> transmittances_;    // the same
+  std::vector<std::uint32_t> first_;     // of waiting_, the same; kNone but in sort_slots()
+  std::vector<std::uint32_t> hull_;      // latest one passed, in hulls_, the same; empty without ghosts
+  std::vector<Hull> hulls_;              // as lists of the slots
+  std::size_t due_ = 0;                  // crossings
+  std::vector<Crossing> waiting_;        // those to composite come first in pass()
+  std::vector<std::uint32_t> next_;      // of waiting_, in the same slot
+  std::vector<std::uint32_t> chain_;     // of one slot
+  std::vector<std::uint32_t> sequence_;  // of waiting_, front to back within each slot
+  std::vector<std::uint32_t> ended_;
+  std::vector<SlotFragment> fragments_;
+};
+
+}  // namespace splatlas
