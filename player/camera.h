@@ -1,8 +1,6 @@
 // Camera of a picture, the parallel or perspective view that it defines, and its cutting planes.
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>

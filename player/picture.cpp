@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "format/content/color.h"
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
 

@@ -1,7 +1,6 @@
 #include "player/renderer.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "format/io/memory_limit.h"

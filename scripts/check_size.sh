@@ -17,7 +17,7 @@ check() {
 }
 
 readonly sources='\.cpp|\.h|\.fbs|\.sh|\.py|/CMakeLists\.txt'
-check product 62410 "$sources" format preprocess player schemas
+check product 61750 "$sources" format preprocess player schemas
 check tests 49000 "$sources" tests
 check bench 5500 "$sources" bench
 check pages 3280 '\.js|\.html|\.css|\.cmake' preprocess player tests bench

@@ -6,7 +6,7 @@
 
 #include "bench/bench.h"
 #include "format/atlas_reader.h"
-#include "preprocess/build/build_atlas.h"
+#include "preprocess/atlas/build_atlas.h"
 #include "preprocess/sources/import_sources.h"
 
 namespace splatlas {

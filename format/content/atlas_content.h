@@ -1,7 +1,6 @@
 // Decoded content of an atlas in memory: output of preprocess, input of the writer.
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <vector>
 

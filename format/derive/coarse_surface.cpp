@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <iterator>
 #include <limits>
-#include <utility>
 
 #include "format/derive/fit_surface.h"
 #include "format/derive/structure_crop.h"

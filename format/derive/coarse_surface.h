@@ -1,7 +1,6 @@
 // Surface of a structure on a coarser grid, for drafts.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>

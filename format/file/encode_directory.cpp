@@ -1,4 +1,3 @@
-#include <utility>
 
 #include "format/file/directory.h"
 #include "format/file/directory_text.h"

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <concepts>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -45,6 +44,12 @@ CLI::Option* add_repeated(CLI::App& app, const std::string& names, std::vector<V
     }
   };
   return app.add_option_function<std::vector<std::string>>(names, append, help);
+}
+
+/// A text that is not empty, for add_parsed().
+template <typename Value>
+[[nodiscard]] std::optional<Value> non_empty(std::string_view text) {
+  return text.empty() ? std::nullopt : std::optional<Value>(text);
 }
 
 /// Names of an option's values, for help, parsing and errors.

@@ -1,7 +1,5 @@
 #include "format/text/ascii_text.h"
 
-#include <algorithm>
-#include <array>
 #include <utility>
 
 #include <fmt/format.h>

@@ -8,7 +8,6 @@
 #include <span>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -152,12 +151,8 @@ CLI::App* add_export(CLI::App& app, ExportRequest& request) {
   command->add_option("ATLAS", request.atlases, "atlas file; --site takes several")
       ->required()
       ->check(names_a_file());
-  const auto file = [](std::string_view text) {
-    return text.empty() ? std::nullopt : std::optional<std::filesystem::path>(text);
-  };
-  const auto given = [](std::string_view text) {
-    return text.empty() ? std::nullopt : std::optional<std::string>(text);
-  };
+  constexpr auto file = non_empty<std::filesystem::path>;
+  constexpr auto given = non_empty<std::string>;
   CLI::Option* html =
       add_parsed(*command, "--html", request.html, file, "must name a file", "page to write: one HTML file");
   add_parsed(*command, "--site", request.site, file, "must name a folder",

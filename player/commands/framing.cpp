@@ -1,7 +1,6 @@
 #include "player/commands/framing.h"
 
 #include <cstddef>
-#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

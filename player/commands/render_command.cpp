@@ -74,10 +74,6 @@ std::optional<Background> parse_background(std::string_view text) {
   return bottom ? std::optional(Background{*top, *bottom}) : std::nullopt;
 }
 
-std::optional<std::filesystem::path> parse_file_name(std::string_view text) {
-  return text.empty() ? std::nullopt : std::optional<std::filesystem::path>(text);
-}
-
 std::optional<double> parse_angle(std::string_view text) {
   const auto degrees = parse_number<double>(text);
   return degrees && std::isfinite(*degrees) ? degrees : std::nullopt;
@@ -241,17 +237,14 @@ Result<void> check_files(const RenderRequest& request) {
 CLI::App* add_render(CLI::App& app, RenderRequest& request) {
   CLI::App* command = app.add_subcommand("render", "Render a selection to a picture file, without a window");
   command->add_option("ATLAS", request.atlas, "atlas file")->required()->check(names_a_file());
-  add_parsed(*command, "-o,--output", request.output, parse_file_name, "must name a file",
+  add_parsed(*command, "-o,--output", request.output, non_empty<std::filesystem::path>, "must name a file",
              "picture: .png, .jpg, .tif, .exr (linear float RGBA), or .svg and .pdf (vector annotations)")
       ->required();
   CLI::Option* select =
       command->add_option("--select", request.select, "selection text (see below)")->capture_default_str();
-  const auto name = [](std::string_view text) {
-    return text.empty() ? std::nullopt : std::optional<std::string>(text);
-  };
   CLI::Option* scene =
       add_parsed(
-          *command, "--scene", request.scene, name, "must name a scene",
+          *command, "--scene", request.scene, non_empty<std::string>, "must name a scene",
           "a named view of the atlas: its selection, camera, cuts and caption; other options are as given")
           ->excludes(select);
   add_parsed(
@@ -284,14 +277,14 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
   add_surfaces(*command, request.atlas_options.surfaces,
                "surfaces that follow from the voxels; as in the atlas if not given");
   add_max_work(*command, request.atlas_options.max_work);
-  add_parsed(*command, "--stats", request.stats, parse_file_name, "must name a file",
+  add_parsed(*command, "--stats", request.stats, non_empty<std::filesystem::path>, "must name a file",
              "JSON file to write: voxels visited, bytes read, times");
   add_parsed(
-      *command, "--ids", request.ids, parse_file_name, "must name a file",
+      *command, "--ids", request.ids, non_empty<std::filesystem::path>, "must name a file",
       "id image to write, .png (16-bit grey) or .exr: the number of the structure that each pixel shows; "
       "--stats lists the numbers");
   add_parsed(
-      *command, "--depth", request.depth, parse_file_name, "must name a file",
+      *command, "--depth", request.depth, non_empty<std::filesystem::path>, "must name a file",
       "depth map to write, .exr: mm from the plane through the picture's centre towards the eye, NaN for "
       "background");
   command->footer(kRenderFooter);

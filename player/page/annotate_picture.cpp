@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "format/result_macros.h"
-#include "player/page/page_layout.h"
 #include "player/page/place_labels.h"
 #include "player/page/wrap_text.h"
 

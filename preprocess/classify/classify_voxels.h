@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "format/content/class_table.h"
 #include "format/content/run_model.h"

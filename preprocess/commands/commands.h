@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "preprocess/build/build_atlas.h"
+#include "preprocess/atlas/build_atlas.h"
 #include "preprocess/commands/progress_display.h"
 #include "preprocess/export/export_atlas.h"
 

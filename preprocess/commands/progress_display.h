@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <string>
 
-#include "preprocess/build/build_progress.h"
+#include "preprocess/atlas/build_progress.h"
 
 namespace splatlas {
 

@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <span>
-#include <utility>
 
 #include <fmt/format.h>
 
-#include "format/atlas_reader.h"
 #include "format/content/selection.h"
 #include "format/io/output_file.h"
 #include "format/io/output_path.h"

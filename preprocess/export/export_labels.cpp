@@ -14,7 +14,6 @@
 #include <fmt/format.h>
 
 #include "format/derive/structure_crop.h"
-#include "format/io/output_file.h"
 #include "format/result_macros.h"
 #include "format/tasks/parallel.h"
 #include "format/tasks/task_control.h"

@@ -8,7 +8,6 @@
 #include <optional>
 #include <span>
 
-#include "format/io/output_file.h"
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
 #include "preprocess/export/deflate.h"

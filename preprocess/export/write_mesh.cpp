@@ -19,7 +19,6 @@
 #include <vtkPolyDataWriter.h>
 #include <vtkSTLWriter.h>
 
-#include "format/io/output_file.h"
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"
 #include "preprocess/import/import_error.h"

@@ -1,16 +1,13 @@
 #include "preprocess/structures/build_graph.h"
 
 #include <algorithm>
-#include <string>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "format/content/selection.h"
-#include "format/content/structure_graph.h"
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
 #include "preprocess/import/import_error.h"

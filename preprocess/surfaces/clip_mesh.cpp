@@ -103,11 +103,8 @@ class MeshClipper {
         u[a] = polygon[n - 1].index[a] - polygon[0].index[a];
         v[a] = polygon[n].index[a] - polygon[0].index[a];
       }
-      u = to_mm_.apply_linear(u);
-      v = to_mm_.apply_linear(v);
-      sum[0] += u[1] * v[2] - u[2] * v[1];
-      sum[1] += u[2] * v[0] - u[0] * v[2];
-      sum[2] += u[0] * v[1] - u[1] * v[0];
+      const Vec3 normal = cross(to_mm_.apply_linear(u), to_mm_.apply_linear(v));
+      for (std::size_t a = 0; a < 3; ++a) sum[a] += normal[a];
     }
     return 0.5 * std::hypot(sum[0], sum[1], sum[2]);
   }

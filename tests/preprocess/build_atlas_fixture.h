@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "format/atlas_reader.h"
-#include "preprocess/build/build_atlas.h"
+#include "preprocess/atlas/build_atlas.h"
 #include "preprocess/export/export_atlas.h"
 #include "preprocess/export/write_image.h"
 #include "tests/support/committed.h"

@@ -1,7 +1,6 @@
 #include "format/atlas_reader.h"
 
 #include <algorithm>
-#include <cstring>
 #include <new>
 
 #include <fmt/format.h>

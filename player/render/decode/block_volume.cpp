@@ -4,7 +4,6 @@
 #include <cstring>
 #include <map>
 #include <numeric>
-#include <utility>
 
 #include "format/derive/boundary_split.h"
 #include "format/derive/fit_surface.h"

@@ -4,7 +4,6 @@
 #include <cstring>
 #include <functional>
 #include <map>
-#include <utility>
 
 #include "format/derive/value_groups.h"
 #include "format/file/directory.h"

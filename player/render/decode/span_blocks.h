@@ -1,7 +1,6 @@
 // Blocks of voxels in spans, and the memory that spans take.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 
 #include "player/render/decode/lit_voxels.h"

@@ -1,7 +1,6 @@
 #include "player/render/decode/sparse_bytes.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <limits>
 
 #include <sys/mman.h>

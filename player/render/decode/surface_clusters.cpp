@@ -1,6 +1,5 @@
 #include "player/render/decode/surface_clusters.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "format/tasks/task_control.h"

@@ -1,7 +1,6 @@
 // Selection with its draw plan and the appearances of its classes.
 #pragma once
 
-#include <cstdint>
 #include <new>
 #include <span>
 #include <utility>

@@ -1,6 +1,5 @@
 #include "player/render/frame/face_store.h"
 
-#include <memory>
 #include <utility>
 #include <vector>
 

@@ -4,13 +4,10 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <span>
 #include <utility>
 #include <vector>
 
 #include "format/content/grid.h"
-#include "player/render/clip/cut_rays.h"
-#include "player/render/view/shear.h"
 
 namespace splatlas {
 namespace {

@@ -1,9 +1,7 @@
 #include "player/render/sheets/sheets.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <limits>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -12,7 +10,6 @@
 #include "player/render/sheets/band.h"
 #include "player/render/sheets/ids/sheet_shares.h"
 #include "player/render/sheets/sheet_ends.h"
-#include "player/render/sheets/spans/sheet_spans.h"
 #include "player/render/sheets/splat/block_runs.h"
 
 namespace splatlas {

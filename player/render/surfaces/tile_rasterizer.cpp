@@ -1,7 +1,6 @@
 #include "player/render/surfaces/tile_rasterizer.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace splatlas {
 namespace {

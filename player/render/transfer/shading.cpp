@@ -1,7 +1,5 @@
 #include "player/render/transfer/shading.h"
 
-#include <cstddef>
-
 #include "format/content/unit_vector.h"
 
 namespace splatlas {

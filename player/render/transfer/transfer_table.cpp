@@ -1,6 +1,5 @@
 #include "player/render/transfer/transfer_table.h"
 
-#include <algorithm>
 #include <cstring>
 #include <limits>
 #include <type_traits>

@@ -1,10 +1,7 @@
 // Lookup table of a transfer function for one voxel type.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <vector>
 

@@ -1,9 +1,5 @@
 #include "player/render/view/shear.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-
 namespace splatlas {
 namespace {
 

@@ -20,6 +20,7 @@
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include "format/io/memory_limit.h"
 #include "preprocess/import/import_error.h"
@@ -105,7 +106,7 @@ void prepare_child(pid_t parent, const ChildLimits& limits) {
   }
 }
 
-[[noreturn]] void answer_as_child(const std::function<bool(int file)>& answer, int file) {
+[[noreturn]] void answer_as_child(const std::function<bool(std::FILE*)>& answer, std::FILE* file) {
   try {
     ::_exit(answer(file) ? kAnswered : kNotWritten);
   } catch (const std::bad_alloc&) {
@@ -230,21 +231,12 @@ void report_child_progress(const fs::path& file) {
   ++shared_of_this_child->beats;
 }
 
-ChildAnswer::~ChildAnswer() {
-  if (file_ >= 0) ::close(file_);
-}
-
-std::uint64_t ChildAnswer::bytes() const {
-  struct stat status {};
-  return ::fstat(file_, &status) == 0 ? static_cast<std::uint64_t>(status.st_size) : 0;
-}
-
 Result<ChildAnswer> run_child(const fs::path& path, const ChildLimits& limits,
-                              const std::function<bool(int file)>& answer) {
+                              const std::function<bool(std::FILE* file)>& answer) {
   const WaitableChildren waitable;
   const SharedPage page;
-  ChildAnswer file(::memfd_create("answer", MFD_CLOEXEC));
-  if (page.get() == nullptr || file.file() < 0)
+  ChildAnswer file(::fdopen(::memfd_create("answer", MFD_CLOEXEC), "w+b"));
+  if (page.get() == nullptr || file == nullptr)
     return fail(ErrorCode::kLimit, "{}: no memory is left to read it", path.string());
   std::fflush(nullptr);  // else both processes write what is buffered
   const pid_t parent = ::getpid(), child = ::fork();
@@ -252,7 +244,7 @@ Result<ChildAnswer> run_child(const fs::path& path, const ChildLimits& limits,
   if (child == 0) {
     shared_of_this_child = page.get();
     prepare_child(parent, limits);
-    answer_as_child(answer, file.file());
+    answer_as_child(answer, file.get());
   }
   const Overrun overrun = watch(child, *page.get(), limits);
   ::kill(-child, SIGKILL);  // with its own children

@@ -5,17 +5,14 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
+#include <cstdio>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <type_traits>
-#include <utility>
 #include <vector>
-
-#include <unistd.h>
 
 #include "format/result.h"
 #include "format/result_macros.h"
@@ -25,151 +22,79 @@ namespace splatlas {
 template <typename T>
 concept ArchivedAsBytes = std::is_arithmetic_v<T> || std::is_enum_v<T>;
 
-/// Writes values to a file. Structs are written by their function `transfer(archive, value)`, which passes
-/// all members to the archive: one function serves both directions.
-class ArchiveWriter {
+/// Moves values from memory to a file, or back. Structs are moved by their function
+/// `transfer(archive, value)`, which passes all members to the archive. Checks every length that it reads
+/// against the bytes that are left: the writer may have been damaged by its input.
+class Archive {
  public:
-  explicit ArchiveWriter(int file) : file_(file) {}
+  enum class Direction { kWrite, kRead };
+
+  /// Reads `file` from its start.
+  Archive(std::FILE* file, Direction direction) : file_(file), reads_(direction == Direction::kRead) {
+    if (!reads_) return;
+    std::fseek(file_, 0, SEEK_END);
+    left_ = static_cast<std::uint64_t>(std::max(std::ftell(file_), 0L));
+    std::rewind(file_);
+  }
 
   template <typename... T>
   void operator()(T&... values) {
-    (put(values), ...);
+    (move(values), ...);
   }
-  /// Writes what is buffered. False if anything could not be written.
-  [[nodiscard]] bool finish() {
-    flush();
-    return good_;
-  }
+  /// Writes what is buffered. False unless everything was written, or read to the end.
+  [[nodiscard]] bool finish() { return good_ && left_ == 0 && (reads_ || std::fflush(file_) == 0); }
 
  private:
   template <ArchivedAsBytes T>
-  void put(const T& value) {
-    append(std::as_bytes(std::span(&value, 1)));
+  void move(T& value) {
+    move_bytes(&value, sizeof(value));
   }
-  void put(std::string& text) { put_bytes(std::as_bytes(std::span(text))); }
-  void put(std::vector<std::byte>& bytes) { put_bytes(bytes); }
-  template <typename T>
-  void put(std::vector<T>& values) {
-    put(static_cast<std::uint64_t>(values.size()));
-    for (T& value : values) put(value);
-  }
-  template <typename T, std::size_t N>
-  void put(std::array<T, N>& values) {
-    for (T& value : values) put(value);
-  }
-  template <typename T>
-  void put(std::optional<T>& value) {
-    put(value.has_value());
-    if (value) put(*value);
-  }
-  template <typename T>
-  requires(std::is_class_v<T>) void put(T& value) { transfer(*this, value); }
-
-  void put_bytes(std::span<const std::byte> bytes) {
-    put(static_cast<std::uint64_t>(bytes.size()));
-    append(bytes);
-  }
-  void append(std::span<const std::byte> bytes) {
-    constexpr std::size_t kBuffered = 1 << 16;
-    if (bytes.size() < kBuffered) {
-      buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
-      if (buffer_.size() >= kBuffered) flush();
-    } else {
-      flush();
-      write_all(bytes);
-    }
-  }
-  void flush() {
-    write_all(buffer_);
-    buffer_.clear();
-  }
-  void write_all(std::span<const std::byte> bytes) {
-    while (good_ && !bytes.empty()) {
-      const ssize_t written = ::write(file_, bytes.data(), std::min(bytes.size(), std::size_t{1} << 30));
-      good_ = written > 0;
-      if (good_) bytes = bytes.subspan(static_cast<std::size_t>(written));
-    }
-  }
-
-  int file_;
-  std::vector<std::byte> buffer_;
-  bool good_ = true;
-};
-
-/// Reads what ArchiveWriter wrote. Checks every length against the bytes that are left: the writer may have
-/// been damaged by its input.
-class ArchiveReader {
- public:
-  /// `bytes`: length of the file, which is read from its start.
-  ArchiveReader(int file, std::uint64_t bytes) : file_(file), left_(bytes) {}
-
-  template <typename... T>
-  void operator()(T&... values) {
-    (get(values), ...);
-  }
-  /// True if everything was read, to the end.
-  [[nodiscard]] bool finish() const { return good_ && left_ == 0; }
-
- private:
-  template <ArchivedAsBytes T>
-  void get(T& value) {
-    read_all(std::as_writable_bytes(std::span(&value, 1)));
-  }
-  void get(bool& value) {
-    std::uint8_t byte = 0;
-    get(byte);
+  void move(bool& value) {
+    std::uint8_t byte = value ? 1 : 0;
+    move(byte);
     value = byte != 0;
   }
-  void get(std::string& text) {
-    text.resize(length(1));
-    read_all(std::as_writable_bytes(std::span(text)));
+  void move(std::string& text) {
+    text.resize(move_length(text.size()));
+    move_bytes(text.data(), text.size());
   }
-  void get(std::vector<std::byte>& bytes) {
-    bytes.resize(length(1));
-    read_all(bytes);
+  void move(std::vector<std::byte>& bytes) {
+    bytes.resize(move_length(bytes.size()));
+    move_bytes(bytes.data(), bytes.size());
   }
   template <typename T>
-  void get(std::vector<T>& values) {
-    const std::size_t count = length(1);
-    for (std::size_t n = 0; n < count && good_; ++n) get(values.emplace_back());
+  void move(std::vector<T>& values) {
+    const std::size_t count = move_length(values.size());
+    for (std::size_t n = 0; n < count && good_; ++n) move(reads_ ? values.emplace_back() : values[n]);
   }
   template <typename T, std::size_t N>
-  void get(std::array<T, N>& values) {
-    for (T& value : values) get(value);
+  void move(std::array<T, N>& values) {
+    for (T& value : values) move(value);
   }
   template <typename T>
-  void get(std::optional<T>& value) {
-    bool has_value = false;
-    get(has_value);
-    if (has_value) get(value.emplace());
+  void move(std::optional<T>& value) {
+    bool has_value = value.has_value();
+    move(has_value);
+    if (has_value) move(reads_ ? value.emplace() : *value);
   }
   template <typename T>
-  requires(std::is_class_v<T>) void get(T& value) { transfer(*this, value); }
+  requires(std::is_class_v<T>) void move(T& value) { transfer(*this, value); }
 
-  /// A count of items of at least `bytes_each`; 0 if so many cannot follow.
-  std::size_t length(std::uint64_t bytes_each) {
-    std::uint64_t count = 0;
-    get(count);
-    good_ = good_ && count <= left_ / bytes_each;
+  /// A count of items of a byte or more; 0 if so many cannot follow.
+  std::size_t move_length(std::uint64_t count) {
+    move(count);
+    good_ = good_ && (!reads_ || count <= left_);
     return good_ ? static_cast<std::size_t>(count) : 0;
   }
-  void read_all(std::span<std::byte> bytes) {
-    good_ = good_ && bytes.size() <= left_;
-    while (good_ && !bytes.empty()) {
-      const ssize_t read =
-          ::pread(file_, bytes.data(), std::min(bytes.size(), std::size_t{1} << 30), offset_);
-      good_ = read > 0;
-      if (!good_) break;
-      bytes = bytes.subspan(static_cast<std::size_t>(read));
-      offset_ += read;
-      left_ -= static_cast<std::uint64_t>(read);
-    }
+  void move_bytes(void* bytes, std::size_t count) {
+    good_ = good_ && (!reads_ || count <= left_) &&
+            (reads_ ? std::fread(bytes, 1, count, file_) : std::fwrite(bytes, 1, count, file_)) == count;
+    if (good_ && reads_) left_ -= count;
   }
 
-  int file_;
-  off_t offset_ = 0;
-  std::uint64_t left_;
-  bool good_ = true;
+  std::FILE* file_;
+  bool reads_, good_ = true;
+  std::uint64_t left_ = 0;
 };
 
 /// Limits of a child. A child that exceeds them ends, and so do its own children.
@@ -187,28 +112,33 @@ struct ChildLimits {
 /// it. Does nothing outside a child.
 void report_child_progress(const std::filesystem::path& file);
 
-/// Memory file with the answer of a child that has ended.
-class ChildAnswer {
- public:
-  explicit ChildAnswer(int file) : file_(file) {}
-  ~ChildAnswer();
-  ChildAnswer(ChildAnswer&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
-  ChildAnswer& operator=(ChildAnswer&&) = delete;
-
-  [[nodiscard]] int file() const { return file_; }
-  [[nodiscard]] std::uint64_t bytes() const;
-
- private:
-  int file_;
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
 };
+/// Memory file with the answer of a child that has ended.
+using ChildAnswer = std::unique_ptr<std::FILE, CloseFile>;
 
-/// Runs `answer` in a child. It gets the descriptor of the answer's file, and returns false if it cannot
-/// write it. kFailed if the child crashes, exits, or exceeds its limits; the message calls the input `path`.
+/// Runs `answer` in a child. It gets the answer's file, and returns false if it cannot write it. kFailed if
+/// the child crashes, exits, or exceeds its limits; the message calls the input `path`.
 [[nodiscard]] Result<ChildAnswer> run_child(const std::filesystem::path& path, const ChildLimits& limits,
-                                            const std::function<bool(int file)>& answer);
+                                            const std::function<bool(std::FILE* file)>& answer);
 
 inline void transfer(auto& archive, Error& error) {
   archive(error.code, error.message);
+}
+
+/// Writes a result, or reads it. False if it is not whole.
+template <typename T>
+[[nodiscard]] bool transfer_result(Archive archive, Result<T>& result) {
+  bool has_value = result.has_value();
+  archive(has_value);
+  if (!has_value && result) result = tl::unexpected(Error());
+  if (has_value) {
+    archive(*result);
+  } else {
+    archive(result.error());
+  }
+  return archive.finish();
 }
 
 /// Runs `read`, which returns a Result<T>, in a child, and returns its result. T needs a function
@@ -217,32 +147,15 @@ inline void transfer(auto& archive, Error& error) {
 /// stay locked in a child.
 template <typename T, typename Read>
 [[nodiscard]] Result<T> run_isolated(const std::filesystem::path& path, const Read& read) {
-  SPLATLAS_ASSIGN_OR_RETURN(const ChildAnswer answer, run_child(path, limits_for(path), [&](int file) {
-                              Result<T> result = read();
-                              ArchiveWriter archive(file);
-                              bool has_value = result.has_value();
-                              archive(has_value);
-                              if (has_value) {
-                                archive(*result);
-                              } else {
-                                archive(result.error());
-                              }
-                              return archive.finish();
-                            }));
-  ArchiveReader archive(answer.file(), answer.bytes());
-  bool has_value = false;
-  archive(has_value);
-  T value{};
-  Error error;
-  if (has_value) {
-    archive(value);
-  } else {
-    archive(error);
-  }
-  if (!archive.finish())
+  const auto answer_with = [&](std::FILE* file) {
+    Result<T> result = read();
+    return transfer_result({file, Archive::Direction::kWrite}, result);
+  };
+  SPLATLAS_ASSIGN_OR_RETURN(const ChildAnswer answer, run_child(path, limits_for(path), answer_with));
+  Result<T> result;
+  if (!transfer_result({answer.get(), Archive::Direction::kRead}, result))
     return fail(ErrorCode::kFailed, "{}: its reader gave no whole answer", path.string());
-  if (!has_value) return tl::unexpected(std::move(error));
-  return value;
+  return result;
 }
 
 }  // namespace splatlas

@@ -13,7 +13,6 @@
 #include "format/text/ascii_text.h"
 #include "preprocess/import/images/import_image.h"
 #include "preprocess/import/import_error.h"
-#include "preprocess/import/labels/label_map.h"
 #include "preprocess/import/resample.h"
 #include "preprocess/import/tables/text_file.h"
 
@@ -49,20 +48,25 @@ std::vector<fs::path> list_images(const fs::path& folder) {
   return files;
 }
 
+/// Keeps the structures of `order`, in this order.
+void take_in_order(const std::vector<StructureIndex>& order, ImportedLabels& labels) {
+  std::vector<StructureIndex> new_numbers(labels.structures.size(), 0);
+  std::vector<SourceStructure> taken;
+  for (const StructureIndex old : order) {
+    new_numbers[old] = static_cast<StructureIndex>(taken.size());
+    taken.push_back(std::move(labels.structures[old]));
+  }
+  labels.structures = std::move(taken);
+  labels.memberships.renumber(new_numbers);
+}
+
 /// Sorts structures by descending number of voxels, so that the more specific of two that overlap has the
 /// higher number.
 void sort_by_size(ImportedLabels& labels, const std::vector<std::uint64_t>& counts) {
   std::vector<StructureIndex> order(counts.size());
   std::iota(order.begin(), order.end(), StructureIndex{0});
   std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return counts[a] > counts[b]; });
-  std::vector<StructureIndex> new_numbers(order.size());
-  std::vector<SourceStructure> sorted;
-  for (StructureIndex n = 0; n < order.size(); ++n) {
-    new_numbers[order[n]] = n;
-    sorted.push_back(std::move(labels.structures[order[n]]));
-  }
-  labels.structures = std::move(sorted);
-  labels.memberships.renumber(new_numbers);
+  take_in_order(order, labels);
 }
 
 enum class MaskKind { kEmpty, kBinary, kSeveralValues, kGrey };
@@ -213,21 +217,16 @@ void read_layer(const std::vector<SourceSegment>& segments, std::size_t layer, c
 
 /// Drops structures without voxels; the others keep their order.
 void drop_empty(ImportedLabels& labels, std::vector<std::uint64_t>& counts) {
-  std::vector<StructureIndex> new_numbers(counts.size(), 0);
-  std::vector<SourceStructure> kept;
-  std::vector<std::uint64_t> kept_counts;
-  for (std::size_t n = 0; n < counts.size(); ++n) {
-    new_numbers[n] = static_cast<StructureIndex>(kept.size());
-    if (counts[n] == 0) {
-      labels.notes.add(kEmptySegments, labels.structures[n].name);
+  std::vector<StructureIndex> kept;
+  for (StructureIndex n = 0; n < counts.size(); ++n) {
+    if (counts[n] > 0) {
+      kept.push_back(n);
     } else {
-      kept.push_back(std::move(labels.structures[n]));
-      kept_counts.push_back(counts[n]);
+      labels.notes.add(kEmptySegments, labels.structures[n].name);
     }
   }
-  labels.structures = std::move(kept);
-  counts = std::move(kept_counts);
-  labels.memberships.renumber(new_numbers);
+  take_in_order(kept, labels);
+  std::erase(counts, 0);
 }
 
 /// Every segment of the file is a structure. Cost: a pass a layer.

@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <optional>
-#include <string>
 
 #include "preprocess/import/images/pixels/source_image.h"
 #include "preprocess/import/labels/label_map.h"

@@ -130,8 +130,8 @@ bool has_area(const std::array<Vec3, 3>& corners) {
     a[n] = corners[1][n] - corners[0][n];
     b[n] = corners[2][n] - corners[0][n];
   }
-  const double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
-  return x * x + y * y + z * z > 0;
+  const Vec3 normal = cross(a, b);
+  return dot(normal, normal) > 0;
 }
 
 /// The frame that a file names: a string array SPACE, or SPACE=RAS in its first lines.
@@ -246,7 +246,7 @@ std::vector<std::array<float, 3>> vertex_normals(const TriangleMesh& mesh) {
       u[n] = mesh.positions_lps_mm[b][n] - mesh.positions_lps_mm[a][n];
       v[n] = mesh.positions_lps_mm[c][n] - mesh.positions_lps_mm[a][n];
     }
-    const Vec3 normal{u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+    const Vec3 normal = cross(u, v);
     for (const std::uint32_t vertex : {a, b, c}) {
       for (std::size_t n = 0; n < 3; ++n) sums[vertex][n] += normal[n];
     }

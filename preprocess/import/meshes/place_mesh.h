@@ -1,7 +1,6 @@
 // Placement of external surfaces in the patient.
 #pragma once
 
-#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>

@@ -60,9 +60,6 @@ void NamesCollector::add(std::string_view label, LabelName name) {
 
 void NamesCollector::add(LabelName name) {
   if (name.label == 0) return;
-  if (name.label && (*name.label < 0 || *name.label > kMaxLabel)) {
-    return add_fault(name.line, fmt::format("{} is no label (0 to {})", *name.label, kMaxLabel));
-  }
   name.name = std::string(trimmed(name.name));
   if (name.name.empty()) {
     if (!name.label) return add_fault(name.line, "has neither a label nor a name");

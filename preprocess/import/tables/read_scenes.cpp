@@ -1,12 +1,10 @@
 #include "preprocess/import/tables/read_scenes.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
-#include <vector>
 
 #include <fmt/format.h>
 #include <toml++/toml.h>

@@ -11,99 +11,40 @@
 namespace splatlas {
 namespace {
 
-struct Alias {
-  const char* name;
+/// Names of columns of a role, in lower case, with blanks between them.
+struct Aliases {
   ColumnRole role;
+  std::string_view names;
   const char* vocabulary = "";
 };
 
 /// Of several columns of one role, the alias that stands first counts.
-constexpr Alias kAliases[] = {
-    {"labelvalue", ColumnRole::kLabel},
-    {"label_value", ColumnRole::kLabel},
-    {"label", ColumnRole::kLabel},
-    {"labels", ColumnRole::kLabel},
-    {"index", ColumnRole::kLabel},
-    {"idx", ColumnRole::kLabel},
-    {"value", ColumnRole::kLabel},
-    {"label_id", ColumnRole::kLabel},
-    {"labelid", ColumnRole::kLabel},
-    {"label_number", ColumnRole::kLabel},
-    {"number", ColumnRole::kLabel},
-    {"class", ColumnRole::kLabel},
-    {"class_id", ColumnRole::kLabel},
-    {"no", ColumnRole::kLabel},
-    {"nr", ColumnRole::kLabel},
-    {"id", ColumnRole::kKey},
-    {"key", ColumnRole::kKey},
-    {"structure_id", ColumnRole::kKey},
-    {"region_id", ColumnRole::kKey},
-    {"roi_id", ColumnRole::kKey},
-    {"name", ColumnRole::kName},
-    {"structure", ColumnRole::kName},
-    {"region", ColumnRole::kName},
-    {"labelname", ColumnRole::kName},
-    {"label_name", ColumnRole::kName},
-    {"structure_name", ColumnRole::kName},
-    {"region_name", ColumnRole::kName},
-    {"roi", ColumnRole::kName},
-    {"roi_name", ColumnRole::kName},
-    {"class_name", ColumnRole::kName},
-    {"full_name", ColumnRole::kName},
-    {"totalsegmentator_name", ColumnRole::kName},
-    {"color", ColumnRole::kColor},
-    {"colour", ColumnRole::kColor},
-    {"hex", ColumnRole::kColor},
-    {"rgb", ColumnRole::kColor},
-    {"rgba", ColumnRole::kColor},
-    {"color_hex", ColumnRole::kColor},
-    {"hex_color", ColumnRole::kColor},
-    {"color_hex_triplet", ColumnRole::kColor},
-    {"rgb_triplet", ColumnRole::kColor},
-    {"dicomrgbcolor", ColumnRole::kColor},
-    {"r", ColumnRole::kRed},
-    {"red", ColumnRole::kRed},
-    {"color_r", ColumnRole::kRed},
-    {"g", ColumnRole::kGreen},
-    {"green", ColumnRole::kGreen},
-    {"color_g", ColumnRole::kGreen},
-    {"b", ColumnRole::kBlue},
-    {"blue", ColumnRole::kBlue},
-    {"color_b", ColumnRole::kBlue},
-    {"parent", ColumnRole::kParent},
-    {"parent_id", ColumnRole::kParent},
-    {"parent_structure_id", ColumnRole::kParent},
-    {"parent_name", ColumnRole::kParent},
-    {"parent_label", ColumnRole::kParent},
-    {"path", ColumnRole::kPath},
-    {"structure_id_path", ColumnRole::kPath},
-    {"hierarchy", ColumnRole::kPath},
-    {"synonym", ColumnRole::kSynonym},
-    {"synonyms", ColumnRole::kSynonym},
-    {"alias", ColumnRole::kSynonym},
-    {"aliases", ColumnRole::kSynonym},
-    {"alternative_name", ColumnRole::kSynonym},
-    {"abbreviation", ColumnRole::kTerm, "abbreviation"},
-    {"abbr", ColumnRole::kTerm, "abbreviation"},
-    {"acronym", ColumnRole::kTerm, "abbreviation"},
-    {"latin", ColumnRole::kTerm, "la"},
-    {"snomed", ColumnRole::kTerm, "SNOMED"},
-    {"snomedct", ColumnRole::kTerm, "SNOMED"},
-    {"snomed_ct", ColumnRole::kTerm, "SNOMED"},
-    {"sct", ColumnRole::kTerm, "SNOMED"},
-    {"fma", ColumnRole::kTerm, "FMA"},
-    {"radlex", ColumnRole::kTerm, "RadLex"},
-    {"rid", ColumnRole::kTerm, "RadLex"},
-    {"ta2", ColumnRole::kTerm, "TA2"},
-    {"ta98", ColumnRole::kTerm, "TA98"},
-    {"uberon", ColumnRole::kTerm, "UBERON"},
-    {"neuronames", ColumnRole::kTerm, "NeuroNames"},
-    {"a", ColumnRole::kUnused},
-    {"alpha", ColumnRole::kUnused},
-    {"color_a", ColumnRole::kUnused},
-    {"vis", ColumnRole::kUnused},
-    {"msh", ColumnRole::kUnused},
-    {"visible", ColumnRole::kUnused},
+constexpr Aliases kAliases[] = {
+    {ColumnRole::kLabel,
+     "labelvalue label_value label labels index idx value label_id labelid label_number number class "
+     "class_id no nr"},
+    {ColumnRole::kKey, "id key structure_id region_id roi_id"},
+    {ColumnRole::kName,
+     "name structure region labelname label_name structure_name region_name roi roi_name class_name "
+     "full_name totalsegmentator_name"},
+    {ColumnRole::kColor,
+     "color colour hex rgb rgba color_hex hex_color color_hex_triplet rgb_triplet dicomrgbcolor"},
+    {ColumnRole::kRed, "r red color_r"},
+    {ColumnRole::kGreen, "g green color_g"},
+    {ColumnRole::kBlue, "b blue color_b"},
+    {ColumnRole::kParent, "parent parent_id parent_structure_id parent_name parent_label"},
+    {ColumnRole::kPath, "path structure_id_path hierarchy"},
+    {ColumnRole::kSynonym, "synonym synonyms alias aliases alternative_name"},
+    {ColumnRole::kTerm, "abbreviation abbr acronym", "abbreviation"},
+    {ColumnRole::kTerm, "latin", "la"},
+    {ColumnRole::kTerm, "snomed snomedct snomed_ct sct", "SNOMED"},
+    {ColumnRole::kTerm, "fma", "FMA"},
+    {ColumnRole::kTerm, "radlex rid", "RadLex"},
+    {ColumnRole::kTerm, "ta2", "TA2"},
+    {ColumnRole::kTerm, "ta98", "TA98"},
+    {ColumnRole::kTerm, "uberon", "UBERON"},
+    {ColumnRole::kTerm, "neuronames", "NeuroNames"},
+    {ColumnRole::kUnused, "a alpha color_a vis msh visible"},
 };
 
 /// Sequences of codes, in 3D Slicer's tables and by their names in DICOM.
@@ -127,10 +68,19 @@ std::string plain_name(std::string_view name) {
   return plain;
 }
 
-const Alias* find_alias(std::string_view plain) {
-  const auto* found =
-      std::ranges::find(kAliases, plain, [](const Alias& a) { return std::string_view(a.name); });
-  return found == std::end(kAliases) ? nullptr : found;
+/// An entry of kAliases, and the place of a name in it.
+struct Alias {
+  const Aliases* entry = nullptr;
+  std::size_t place = 0;
+};
+
+Alias find_alias(std::string_view plain) {
+  for (const Aliases& aliases : kAliases) {
+    const std::vector<std::string_view> names = split_blanks(aliases.names);
+    const auto found = std::ranges::find(names, plain);
+    if (found != names.end()) return {&aliases, static_cast<std::size_t>(found - names.begin())};
+  }
+  return {};
 }
 
 /// "type_codevalue" and the like.
@@ -298,13 +248,14 @@ Table parse_table(std::string_view text, char separator) {
 
 Column column_of(std::string_view name) {
   const std::string plain = plain_name(name);
-  if (const Alias* alias = find_alias(plain)) return {alias->role, alias->vocabulary};
+  if (const auto [entry, place] = find_alias(plain); entry != nullptr)
+    return {entry->role, entry->vocabulary};
   if (const auto code = column_of_code(plain)) return *code;
   if (const auto language = column_of_language(plain)) return *language;
   for (const std::string_view suffix : {"_id", "_code", "id"}) {  // "FMA ID", "snomed_code"
     if (!plain.ends_with(suffix)) continue;
-    const Alias* alias = find_alias(plain.substr(0, plain.size() - suffix.size()));
-    if (alias != nullptr && alias->role == ColumnRole::kTerm) return {alias->role, alias->vocabulary};
+    const auto [entry, place] = find_alias(plain.substr(0, plain.size() - suffix.size()));
+    if (entry != nullptr && entry->role == ColumnRole::kTerm) return {entry->role, entry->vocabulary};
   }
   constexpr std::string_view kTermPrefix = "term ";  // "term 99XYZ": any other vocabulary
   if (to_lower(name).starts_with(kTermPrefix))
@@ -328,7 +279,7 @@ std::vector<Column> columns_of(const Table& table) {
   // One column for each role: the alias that stands first in the list.
   for (int role = static_cast<int>(ColumnRole::kLabel); role <= static_cast<int>(ColumnRole::kPath); ++role) {
     std::size_t best = std::string::npos;
-    const auto rank = [&](std::size_t n) { return find_alias(plain_name(table.columns[n])); };
+    const auto rank = [&](std::size_t n) { return find_alias(plain_name(table.columns[n])).place; };
     for (std::size_t n = 0; n < columns.size(); ++n) {
       if (static_cast<int>(columns[n].role) != role) continue;
       if (best == std::string::npos || rank(n) < rank(best)) best = n;

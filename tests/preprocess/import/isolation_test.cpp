@@ -110,7 +110,7 @@ TEST(RunIsolated, BoundsMemory) {
 TEST(RunIsolated, BoundsTimeWithoutProgress) {
   const ChildLimits limits{.cpu_seconds = 0.2, .wall_seconds = 0.6};
   const ChildLimits cpu_limit{.cpu_seconds = 0.2, .wall_seconds = 60};  // on a busy machine, too
-  const auto spin = [](int) {
+  const auto spin = [](std::FILE*) {
     volatile bool never = false;  // compilers may leave out other endless loops
     while (!never) {
     }
@@ -118,13 +118,13 @@ TEST(RunIsolated, BoundsTimeWithoutProgress) {
   };
   EXPECT_THAT(run_child("slow.nii", cpu_limit, spin).error().message,
               HasSubstr("slow.nii: reading it took more than 0 seconds"));
-  const auto sleep = [](int) {
+  const auto sleep = [](std::FILE*) {
     ::sleep(20);
     return true;
   };
   EXPECT_THAT(run_child("asleep.nii", limits, sleep).error().message, HasSubstr("took more than 1 seconds"));
   // With progress it may take longer.
-  const auto advance = [](int) {
+  const auto advance = [](std::FILE*) {
     for (int n = 0; n < 10; ++n) {
       ::usleep(100'000);
       report_child_progress("slice");

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "format/atlas_reader.h"
-#include "preprocess/build/build_atlas.h"
+#include "preprocess/atlas/build_atlas.h"
 #include "preprocess/commands/build_report.h"
 #include "tests/preprocess/import/images/dicom/dicom_files.h"
 #include "tests/preprocess/import/planted_files.h"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
@@ -26,10 +25,6 @@ struct FrameGroups {
   /// The item of a functional group, or the data set if there is none.
   [[nodiscard]] DcmItem& group(const DcmTagKey& sequence) const;
 };
-
-double dot(const Vec3& a, const Vec3& b) {
-  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
-}
 
 Result<void> check_format(const PixelFormat& pixels, bool is_segmentation) {
   const int allocated = pixels.bits_allocated;

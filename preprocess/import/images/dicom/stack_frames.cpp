@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
@@ -281,8 +280,7 @@ Result<SlicedStack> slice_stack(const FrameStack& stack, SliceGaps gaps, const s
 }
 
 Vec3 normal_of(const DicomFrame& frame) {
-  const Vec3 &r = frame.row, &c = frame.column;
-  return {r[1] * c[2] - r[2] * c[1], r[2] * c[0] - r[0] * c[2], r[0] * c[1] - r[1] * c[0]};
+  return cross(frame.row, frame.column);
 }
 
 std::vector<SlicePosition> slice_positions(std::span<const DicomFrame* const> frames) {
@@ -290,8 +288,7 @@ std::vector<SlicePosition> slice_positions(std::span<const DicomFrame* const> fr
   const Vec3 normal = normal_of(*frames.front());
   std::vector<SlicePosition> sorted;
   for (const DicomFrame* frame : frames) {
-    const double height = std::inner_product(normal.begin(), normal.end(), frame->position.begin(), 0.0);
-    sorted.push_back({height, {frame}});
+    sorted.push_back({dot(normal, frame->position), {frame}});
   }
   std::ranges::stable_sort(sorted, {}, &SlicePosition::height);
   std::vector<SlicePosition> positions;

@@ -1,8 +1,6 @@
 // Checks of MetaImage files.
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <set>
 #include <string>

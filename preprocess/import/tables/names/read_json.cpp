@@ -52,10 +52,14 @@ std::string text_of(const Json& value) {
   return "[" + list + "]";
 }
 
+/// A member of an object, or null.
+const Json& at(const Json& object, const char* key) {
+  static const Json kNull;
+  return object.is_object() && object.contains(key) ? object[key] : kNull;
+}
+
 std::string text_at(const Json& object, const char* key) {
-  if (!object.is_object()) return {};
-  const auto found = object.find(key);
-  return found == object.end() ? std::string() : text_of(*found);
+  return text_of(at(object, key));
 }
 
 Table::Row row_of(const Json& object, std::size_t number, const std::vector<std::string>& columns) {
@@ -68,18 +72,11 @@ Table::Row row_of(const Json& object, std::size_t number, const std::vector<std:
 
 /// True if "@type", text or a list, has this type.
 bool has_type(const Json& object, std::string_view type) {
-  if (!object.is_object() || !object.contains("@type")) return false;
-  const Json& types = object["@type"];
+  const Json& types = at(object, "@type");
   if (types.is_string()) return types.get<std::string>() == type;
   return types.is_array() && std::ranges::any_of(types, [&](const Json& one) {
            return one.is_string() && one.get<std::string>() == type;
          });
-}
-
-/// A member of an object, or null.
-const Json& at(const Json& object, const char* key) {
-  static const Json kNull;
-  return object.is_object() && object.contains(key) ? object[key] : kNull;
 }
 
 /// An object as a list of one.
@@ -183,8 +180,7 @@ Table flatten(const Json& roots) {
     pending.pop_back();
     Table::Row row = row_of(*next.structure, table.rows.size() + 1, table.columns);
     row.fields.back() = next.parent;
-    const auto children = next.structure->find("children");
-    if (children != next.structure->end()) push_all(*children, row.fields.front());
+    push_all(at(*next.structure, "children"), row.fields.front());
     table.rows.push_back(std::move(row));
   }
   return table;
@@ -194,9 +190,8 @@ Table flatten(const Json& roots) {
 
 /// A value of an array of the map, as text; "" behind its end.
 std::string value_at(const Json& map, const char* key, std::size_t n) {
-  const auto list = map.find(key);
-  if (list == map.end() || !list->is_array() || n >= list->size()) return {};
-  return text_of((*list)[n]);
+  const Json& list = at(map, key);
+  return list.is_array() && n < list.size() ? text_of(list[n]) : std::string();
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 // Names in lists: a label, a name and perhaps a colour a line.
 #include <algorithm>
-#include <array>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,4 +1,4 @@
-#include "preprocess/build/segment_structures.h"
+#include "preprocess/atlas/segment_structures.h"
 
 #include <algorithm>
 #include <utility>

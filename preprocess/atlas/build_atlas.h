@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "format/io/output_file.h"
-#include "preprocess/build/build_progress.h"
-#include "preprocess/build/segment_structures.h"
+#include "preprocess/atlas/build_progress.h"
+#include "preprocess/atlas/segment_structures.h"
 #include "preprocess/import/notes.h"
 #include "preprocess/sources/import_sources.h"
 

@@ -1,4 +1,4 @@
-#include "preprocess/build/measure_display.h"
+#include "preprocess/atlas/measure_display.h"
 
 #include <algorithm>
 #include <cmath>

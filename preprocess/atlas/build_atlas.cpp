@@ -1,4 +1,4 @@
-#include "preprocess/build/build_atlas.h"
+#include "preprocess/atlas/build_atlas.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -12,7 +12,7 @@
 #include "format/io/output_path.h"
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
-#include "preprocess/build/measure_display.h"
+#include "preprocess/atlas/measure_display.h"
 #include "preprocess/classify/classify_voxels.h"
 #include "preprocess/import/tables/read_scenes.h"
 #include "preprocess/surfaces/extract_surfaces.h"

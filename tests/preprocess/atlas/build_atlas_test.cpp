@@ -1,6 +1,6 @@
 // Whole builds: round trips and invariances.
 
-#include "preprocess/build/build_atlas.h"
+#include "preprocess/atlas/build_atlas.h"
 
 #include <csignal>
 #include <random>
