@@ -18,7 +18,7 @@ check() {
 
 readonly sources='\.cpp|\.h|\.fbs|\.sh|\.py|/CMakeLists\.txt'
 check product 62410 "$sources" format preprocess player schemas
-check tests 49000 "$sources" tests
+check tests 46000 "$sources" tests
 check bench 5500 "$sources" bench
 check pages 3280 '\.js|\.html|\.css|\.cmake' preprocess player tests bench
 check build 1825 "$sources|CMakeLists\.txt|\.cmake|Snakefile" CMakeLists.txt cmake scripts .ci docs examples
