@@ -137,7 +137,6 @@ TEST_F(ErrorLines, OfRender) {
   refuses({"--size", "99999x9"}, "--size \"99999x9\"", "WIDTHxHEIGHT");
   refuses({"--size", "32768x32768", "--background", "transparent"}, "x.png: ", "2^32");
   refuses({"--zoom", "0"}, "--zoom \"0\"", "from 1e-6 to 1e6");
-  refuses({"--zoom", "inf"}, "--zoom \"inf\"", "from 1e-6 to 1e6");
   refuses({"--azimuth", "nan"}, "--azimuth \"nan\"", "finite");
   refuses({"--elevation", "x"}, "--elevation \"x\"", "degrees");
   refuses({"--field-of-view", "20"}, "--field-of-view: ", "--projection perspective");
@@ -146,7 +145,6 @@ TEST_F(ErrorLines, OfRender) {
   refuses({"--quality", "\x1b"}, "--quality \"?\"", "draft, normal or high");
   refuses({"--surfaces", "round"}, "--surfaces \"round\"", "must be smooth or voxels");
   refuses({"--background", "#000000,blue"}, "--background \"#000000,blue\"", "#rrggbb,#rrggbb");
-  refuses({"--background", "blue"}, "--background \"blue\"", "#rrggbb");
   cases.push_back({{"render", "a.atlas", "-o", "x.jpeg", "--background", "transparent"},
                    2,
                    "--background \"transparent\": a .jpg picture",
@@ -158,9 +156,7 @@ TEST_F(ErrorLines, OfRender) {
   refuses({"--select", "#x"}, "selection \"#x\"", "not a label");
   refuses({"--select", "Sph\xff\xfe"}, "a.atlas: ", "\"Sph\\xff\\xfe\"", 4);
   refuses({"--memory", "15"}, "--memory \"15\"", "must be a number of MiB from 16 to 1073741824");
-  refuses({"--memory", "1e3"}, "--memory \"1e3\"", "must be a number of MiB from 16 to 1073741824");
   refuses({"--max-work", "nan"}, "--max-work \"nan\"", "must be a number from 0.001 to 1e9");
-  refuses({"--max-work", "0.0005"}, "--max-work \"0.0005\"", "must be a number from 0.001 to 1e9");
   refuses({"--classify", "never"}, "--classify \"never\"", "before or after");
   refuses({"--projection", "fisheye"}, "--projection \"fisheye\"", "parallel or perspective");
   refuses({"--cap", "skin"}, "--cap \"skin\"", "values, labels, both or none");

@@ -41,19 +41,6 @@ TEST(Phantom, Table1ComesOutOfInfo) {
   EXPECT_EQ(info["axes"].size(), 3u);
 }
 
-TEST(Phantom, ItsGroupCountsEveryVoxelOnce) {
-  const json info = phantom_info();
-  std::uint64_t interior = 0, boundary = 0;
-  for (const json& s : info["structures"]) {
-    if (!s["parents"].empty()) continue;
-    interior += s["voxels"]["interior"].get<std::uint64_t>();
-    boundary += s["voxels"]["boundary"].get<std::uint64_t>();
-  }
-  EXPECT_EQ(interior, 3142u);
-  EXPECT_EQ(boundary, 1904u);
-  EXPECT_EQ(phantom::kVoxels - interior - boundary, phantom::kEmptyVoxels);
-}
-
 TEST(Phantom, Table2ComesOutOfStats) {
   struct Row {
     const char* select;

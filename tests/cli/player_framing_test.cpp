@@ -1,7 +1,6 @@
 // Framing of pictures: --fit, --center and --zoom.
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -105,14 +104,6 @@ TEST_F(PlayerFraming, CentersAStructureOrAPoint) {
   const double pixels_per_mm = 0.2 * 96 / (2 * phantom::kBalls[1].radius + 1);
   const double expected = pixels_per_mm * static_cast<double>(center[0] - phantom::kBalls[0].center[0]);
   EXPECT_NEAR(moved.middle_x() - still.middle_x(), expected, 2);
-}
-
-TEST_F(PlayerFraming, ReadsNothingMore) {
-  const auto bytes = [&](const std::string& fit) {
-    (void)picture(joined(kBall, {"--fit", fit, "--stats", "s.json"}));
-    return nlohmann::json::parse(read_bytes(folder_.file("s.json"))).at("bytes");
-  };
-  EXPECT_EQ(bytes("selection"), bytes("grid"));
 }
 
 TEST_F(PlayerFraming, AGroupWithoutVoxelsHasNoCentre) {

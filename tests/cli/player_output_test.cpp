@@ -72,16 +72,6 @@ TEST_F(PlayerOutput, IsCheckedBeforeAnythingIsRead) {
   EXPECT_EQ(no_folder.err, "splatlas-player: nowhere/x.png: cannot be written: there is no folder nowhere\n");
 }
 
-TEST_F(PlayerOutput, IsNotLeftHalfWrittenByAFullDisk) {
-  for (const std::string name : {"x.png", "x.jpg", "x.tif", "x.exr", "x.svg", "x.pdf"}) {
-    const ProgramResult result = run_by_shell(
-        kFullDisk, {SPLATLAS_PLAYER, "render", "a.png", "--size", "200x200", "-o", name}, folder.path());
-    EXPECT_EQ(result.status, 1) << name;
-    EXPECT_EQ(result.err, "splatlas-player: " + name + ": cannot be written: File too large\n");
-    expect_unchanged();
-  }
-}
-
 TEST_F(PlayerOutput, FailsOnAFullStandardOutput) {
   for (const Words& words : {Words{"verify", "a.png"},
                              {"info", "a.png"},

@@ -96,17 +96,6 @@ TEST_F(PlayerRender, PngAndTiffHoldTheSamePixels) {
   }
 }
 
-TEST_F(PlayerRender, PicturesDoNotDependOnThreads) {
-  for (const std::string threads : {"1", "2", "8"}) {
-    render({"-o", threads + ".exr", "--threads", threads, "--azimuth", "33", "--elevation", "21", "--select",
-            "\"Sphere 1\":both(opacity=0.4) + \"Sphere 2\":surface(opacity=0.5)"},
-           "512x512");
-  }
-  // Not EXPECT_EQ, which would print both files.
-  EXPECT_TRUE(bytes("1.exr") == bytes("2.exr"));
-  EXPECT_TRUE(bytes("1.exr") == bytes("8.exr"));
-}
-
 TEST_F(PlayerRender, AnEmptySelectionGivesTheBackground) {
   for (const std::string select : {"", "Sphere* - Sphere*"}) {
     render({"-o", "e.png", "--select", select, "--background", "#204060", "--stats", "s.json"});
@@ -192,29 +181,6 @@ TEST_F(PlayerRender, WarnsOfHiddenTerms) {
   EXPECT_THAT(lines, HasSubstr("warning: selection: 3 more terms are hidden\n"));
 }
 
-TEST_F(PlayerRender, ReadsOnlyWhatIsSelected) {
-  const auto stats_of = [&](const std::string& select) {
-    render({"-o", "x.png", "--select", select, "--stats", "s.json"}, "512x512");
-    return stats();
-  };
-  const auto read = [](const nlohmann::json& stats) { return stats["bytes"]["read"].get<std::int64_t>(); };
-  const auto none = stats_of("");
-  const auto one = stats_of("\"Sphere 1\":volume");
-  const auto two = stats_of("\"Sphere 2\":volume");
-  const auto both = stats_of("\"Sphere 1\":volume + \"Sphere 2\":volume");
-  // The header, the directory and, in a file this small, chunks are shared. Nothing is read twice.
-  EXPECT_LT(read(none), read(two));
-  EXPECT_LE(read(two), read(both));
-  EXPECT_LE(read(both) - read(none), read(one) - read(none) + read(two) - read(none));
-  // Only the selected balls are splatted, above the low end of the grey window.
-  EXPECT_LE(one["voxels_visited"].get<int>(), 2705 + 1440);
-  EXPECT_GT(one["voxels_visited"].get<int>(), 2705);
-  EXPECT_LE(two["voxels_visited"].get<int>(), 437 + 464);
-  EXPECT_EQ(one["voxels_visited"].get<int>() + two["voxels_visited"].get<int>(),
-            both["voxels_visited"].get<int>());
-  EXPECT_EQ(one["runs_visited"].get<int>() + two["runs_visited"].get<int>(), both["runs_visited"].get<int>());
-}
-
 /// The last chunk holds Sphere 2's values.
 TEST_F(PlayerRender, DamageOmitsItsStructureAndFails) {
   std::string damaged_bytes = read_bytes(phantom_atlas());
@@ -244,16 +210,6 @@ TEST_F(PlayerRender, DamageOmitsItsStructureAndFails) {
   EXPECT_EQ(draw("bad.atlas", "\"Sphere 2\"").status, 3);
   EXPECT_FALSE(std::filesystem::exists(folder_.file("x.png")));
   EXPECT_EQ(draw("bad.atlas", "\"Sphere 1\" + \"Sphere 2\":surface").status, 0);
-}
-
-TEST_F(PlayerRender, VerifyFindsADamagedByte) {
-  EXPECT_EQ(run({"verify", phantom_atlas()}).status, 0);
-  std::string damaged = read_bytes(phantom_atlas());
-  damaged[damaged.size() - 3] = static_cast<char>(damaged[damaged.size() - 3] ^ 1);
-  write_atlas("bad.atlas", damaged);
-  const ProgramResult result = run({"verify", "bad.atlas"});
-  EXPECT_EQ(result.status, 3);
-  EXPECT_THAT(result.err, HasSubstr("bad.atlas: "));
 }
 
 TEST(PlayerInfo, TheTextListsEveryStructure) {

@@ -151,22 +151,6 @@ TEST_F(PreprocessOutput, DamageNamesAllFilesThatAreNotWritten) {
   EXPECT_THAT(folder_.names(), ElementsAre("a.atlas"));
 }
 
-TEST_F(PreprocessOutput, AFullDiskIsReportedInOneLine) {
-  const auto fills_the_disk = [&](const std::string& option, const std::string& before,
-                                  const std::string& output) {
-    const ProgramResult result = run_on(kFullDisk, {"export", "a.atlas", option, before + output});
-    EXPECT_EQ(result.status, 1) << output;
-    EXPECT_THAT(result.err, AllOf(HasSubstr(output + ": cannot be written"), Not(HasSubstr(".splatlas")),
-                                  Not(HasSubstr("0x"))));
-    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-  };
-  for (const std::string ending : {".nii", ".nii.gz", ".mha", ".nrrd"})
-    fills_the_disk("--volume", "", "out" + ending);
-  for (const std::string ending : {".stl", ".obj", ".ply", ".vtk"})
-    fills_the_disk("--surface", "Sphere 1=", "out" + ending);
-  EXPECT_THAT(folder_.names(), ElementsAre("a.atlas"));
-}
-
 TEST_F(PreprocessOutput, UnwrittenStandardOutputIsAFailure) {
   const std::string labels = phantom_folder().file("labels.nrrd");
   for (const Words& words : {Words{"export", "a.atlas", "--labels", "l.nii.gz"},

@@ -24,8 +24,7 @@ using Words = std::vector<std::string>;
   return run_program(joined({SPLATLAS_PREPROCESS}, words), folder);
 }
 
-/// Scripts for run_by_shell(). A file size limit of 512 bytes simulates a full disk.
-inline constexpr const char* kFullDisk = R"(ulimit -f 1; exec "$0" "$@")";
+/// A script for run_by_shell().
 inline constexpr const char* kFullDevice = R"(exec "$0" "$@" >/dev/full)";
 /// The shell runs `script`, which replaces it by the program `words[0]`.
 [[nodiscard]] inline ProgramResult run_by_shell(const char* script, const Words& words,

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
-#include <string_view>
 
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/mutators.h"
@@ -33,16 +32,6 @@ Bytes mutated_atlas(Bytes atlas, std::size_t max_size, Random& random) {
   return mutate_atlas(atlas, max_size, random, mutate_bytes);
 }
 
-/// Empty: not a directory, or not this time.
-Bytes mutated_directory(Bytes bytes, Random& random) {
-  if (below(2, random) == 0) return {};
-  auto directory = decode_directory(std::move(bytes));
-  if (!directory || directory->normals_fitted.size() != directory->classes.size()) return {};
-  mutate_directory(*directory, random);
-  const auto mutated = encode_directory(*directory);
-  return mutated ? *mutated : Bytes();
-}
-
 }  // namespace
 }  // namespace splatlas
 
@@ -51,11 +40,8 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
   using namespace splatlas;
   Random random(seed);
   const auto* begin = reinterpret_cast<const std::byte*>(data);
-  const std::string_view target = chosen_target().name();
-  Bytes mutated;
-  if (target == "atlases") mutated = mutated_atlas({begin, begin + size}, max_size, random);
-  if (target == "directories") mutated = mutated_directory({begin, begin + size}, random);
-  if (mutated.empty()) return LLVMFuzzerMutate(data, size, max_size);
+  if (chosen_target().name() != "atlases") return LLVMFuzzerMutate(data, size, max_size);
+  const Bytes mutated = mutated_atlas({begin, begin + size}, max_size, random);
   if (mutated.size() > max_size) return size;
   std::memcpy(data, mutated.data(), mutated.size());
   return mutated.size();

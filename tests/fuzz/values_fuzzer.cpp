@@ -12,7 +12,7 @@
 namespace splatlas {
 namespace {
 
-constexpr std::size_t kMaxVoxelsASide = 12;
+constexpr std::size_t kMaxGroupSide = 12;
 
 /// The rest of `bytes`, truncated or padded with zeros.
 std::vector<std::byte> bytes_of_length(std::span<const std::byte> bytes, std::size_t length) {
@@ -54,7 +54,7 @@ void check_round_trip(const GroupVoxels& group, VoxelType type, const std::vecto
 
 void fuzz_values(FuzzInput input) {
   Index3 size{};
-  for (std::int64_t& n : size) n = 1 + static_cast<std::int64_t>(input.below(kMaxVoxelsASide));
+  for (std::int64_t& n : size) n = 1 + static_cast<std::int64_t>(input.below(kMaxGroupSide));
   const auto choices = input.number<std::uint8_t>();
   const auto type = static_cast<VoxelType>(1 + choices % 8);
   const auto mask = read_mask(input, static_cast<std::size_t>(size[0] * size[1] * size[2]));

@@ -11,11 +11,9 @@
 #include <fmt/format.h>
 
 #include "format/atlas_writer.h"
-#include "format/codec/chunk_codec.h"
 #include "format/codec/run_codec.h"
-#include "format/codec/surface_codec.h"
 #include "format/codec/value_codec.h"
-#include "tests/format/atlas_surgery.h"
+#include "format/content/run_model.h"
 #include "tests/fuzz/seed_atlases.h"
 #include "tests/support/file_bytes.h"
 
@@ -23,6 +21,7 @@ namespace splatlas {
 namespace {
 
 namespace fs = std::filesystem;
+using Bytes = std::vector<std::byte>;
 
 class SeedWriter {
  public:
@@ -31,14 +30,9 @@ class SeedWriter {
   void write_of(const AtlasContent& content, const Bytes& file) {
     write_file(file);
     for (ClassId c = 1; c < content.classes.size(); ++c) write_runs(content, c);
-    for (const SurfaceMesh& mesh : content.surfaces) write_surface(mesh, storage_grid(content).size);
     write_values(content);
-    write_chunks(take_apart(file));
   }
-  void write_file(const Bytes& file) {
-    write("atlases", file);
-    write("directories", directory_bytes(file));
-  }
+  void write_file(const Bytes& file) { write("atlases", file); }
   [[nodiscard]] std::size_t count() const { return count_; }
 
  private:
@@ -59,18 +53,6 @@ class SeedWriter {
     }
   }
 
-  void write_surface(const SurfaceMesh& mesh, const Index3& size) {
-    const EncodedSurface encoded = encode_surface(mesh, size).value();
-    if (encoded.bytes.empty()) return;
-    Bytes seed;
-    for (const std::int64_t n : size) append(static_cast<std::uint16_t>(n - 1), seed);
-    append(encoded.entry.position_scale, seed);
-    append(static_cast<std::uint16_t>(encoded.entry.vertices), seed);
-    append(static_cast<std::uint16_t>(encoded.entry.triangles), seed);
-    append(encoded.bytes, seed);
-    write("surfaces", seed);
-  }
-
   /// All voxels: raw values and their code.
   void write_values(const AtlasContent& content) {
     if (content.values.empty()) return;
@@ -89,22 +71,6 @@ class SeedWriter {
       append(coded ? encode_values(all, content.values.type, content.values.bytes) : content.values.bytes,
              seed);
       write("values", seed);
-    }
-  }
-
-  void write_chunks(const AtlasParts& parts) {
-    const FileLayout layout = lay_out(parts.directory, 0).value();
-    for (const SectionLayout& section : layout.sections) {
-      for (std::size_t n = 0; n + 1 < section.chunk_begin.size(); ++n) {
-        const std::size_t chunk = section.first_chunk + n;
-        Bytes seed;
-        append(static_cast<std::uint8_t>(static_cast<unsigned>(parts.directory.chunks[chunk].codec) << 2),
-               seed);
-        append(static_cast<std::uint16_t>(section.chunk_begin[n + 1] - section.chunk_begin[n]), seed);
-        append(static_cast<std::uint8_t>(n), seed);  // level
-        append(parts.chunks[chunk], seed);
-        write("chunks", seed);
-      }
     }
   }
 

@@ -283,23 +283,5 @@ TEST(Camera, EveryNamedViewShowsEveryEndOfTheSubjectWhereItBelongs) {
   }
 }
 
-/// With all six blocks opaque, the block that the view is named after hides the opposite one.
-TEST(Camera, EveryNamedViewLooksFromItsSide) {
-  for (const Grid& grid : grids_of_all_kinds()) {
-    const AtlasContent content = make_content(six_blocks(grid));
-    Renderer renderer(open_in_memory(content), {1, 0});
-    for (const char* text : {"*:surface", "*:volume(opacity=1)"}) {
-      ASSERT_TRUE(renderer.select(selection_of(text, content.graph)));
-      for (std::size_t n = 0; n < 6; ++n) {
-        const char* const kNearest[] = {"A", "P", "L", "R", "S", "I"};  // in the order of kNamedCases
-        const auto pick =
-            frame_or_throw(renderer, Camera::of(kNamedCases[n].named), {.size = {48, 48}}).pick(24.2, 23.9);
-        ASSERT_TRUE(pick) << kNamedCases[n].name;
-        EXPECT_EQ(content.graph[pick->structure].id, kNearest[n]) << text;
-      }
-    }
-  }
-}
-
 }  // namespace
 }  // namespace splatlas

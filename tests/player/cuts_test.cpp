@@ -5,12 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "player/renderer.h"
-#include "tests/reference/picture_difference.h"
-#include "tests/reference/reference_picture.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/phantom_content.h"
 #include "tests/support/render.h"
-#include "tests/support/standard_scenes.h"
 #include "tests/support/test_content.h"
 
 namespace splatlas {
@@ -178,44 +175,6 @@ TEST(Cuts, ShowTheRearOneOfNearlyParallelPlanes) {
   }
 }
 
-/// A plane along the view has a smooth edge: a thin volume has half the opacity where the plane halves a
-/// pixel.
-TEST(Cuts, AntialiasPlanesAlongTheView) {
-  AtlasContent content = halves();
-  content.values = {};
-  Renderer renderer = renderer_of(content, selection_of("*:volume(opacity=0.01)", content.graph));
-  RenderOptions options{.size = {41, 41}, .quality = Quality::kHigh, .hybrid_shading = false};
-  options.caps = CapMode::kNone;
-  options.cuts = cuts_of({{{1, 0, 0}, 0}});  // through the middle of the picture
-  const Picture picture = render_or_throw(renderer, Camera::of(NamedView::kAnterior), options);
-  const float inside = middle_pixel(picture, -3)[3], edge = middle_pixel(picture)[3],
-              outside = middle_pixel(picture, 3)[3];
-  EXPECT_GT(inside, 0.01f);
-  EXPECT_EQ(outside, 0.0f);
-  EXPECT_NEAR(edge, 0.5f * inside, 0.05f * inside);
-}
-
-/// Faces of solids meet the background in intermediate values, and their inside is flat.
-TEST(Cuts, AntialiasFaces) {
-  const AtlasContent content = halves();
-  Renderer renderer = renderer_of(content, selection_of("*:surface(color=#ffffff)", content.graph));
-  RenderOptions options{.size = {80, 80}};
-  options.caps = CapMode::kLabels;
-  options.cuts = cuts_of({{{0.3, -1, 0.2}, 0}});
-  const Camera camera{.azimuth_deg = 7, .elevation_deg = 12};
-  const auto between = [&](const Picture& picture) {
-    int pixels = 0;
-    for (std::size_t n = 3; n < picture.rgba.size(); n += 4)
-      pixels += picture.rgba[n] > 0 && picture.rgba[n] < 1 ? 1 : 0;
-    return pixels;
-  };
-  const Picture smooth = render_or_throw(renderer, camera, options);
-  EXPECT_GT(between(smooth), 40);
-  options.antialiasing = false;
-  EXPECT_EQ(between(render_or_throw(renderer, camera, options)), 0);
-  EXPECT_EQ(middle_pixel(smooth), (std::array<float, 4>{1, 1, 1, 1}));
-}
-
 /// Removed spans cost nothing.
 /// Drafts of opaque surfaces are painted, and have the picture of those that need fragments: for ids.
 TEST(Cuts, OfPaintedSurfacesHaveThePictureOfFragments) {
@@ -296,27 +255,6 @@ TEST(Cuts, HaveDepthsOfFacesAndOfClippedVolumes) {
         for (std::size_t c = 0; c < 4; ++c)
           EXPECT_NEAR(middle_pixel(cued, at, at)[c], middle_pixel(plain, at, at)[c], 0.01) << text;
       }
-    }
-  }
-}
-
-/// Sheets of a smooth field converge to the exact picture with cuts at any angle, as they do without.
-TEST(Cuts, ApproachTheExactPicture) {
-  const StandardScene scene = blobs_scene();
-  const Vec3 center = scene.content.display.center_lps_mm;
-  for (const Vec3& normal : {Vec3{1, 0, 0}, {0.5, -1, 0.3}, {0, 0.2, -1}, {-1, -1, 0.1}}) {
-    RenderOptions options{.size = {64, 64}, .antialiasing = false, .termination_threshold = 0};
-    double offset = 1.3;
-    for (std::size_t a = 0; a < 3; ++a) offset += normal[a] * center[a];
-    options.cuts = cuts_of({{normal, offset}});
-    const Camera camera{.azimuth_deg = 25, .elevation_deg = 15, .zoom = 1.2};
-    const auto exact = reference::render_truth({scene.content, scene.selection, camera, options});
-    for (const Quality quality : {Quality::kNormal, Quality::kHigh}) {
-      options.quality = quality;
-      const Picture picture = render_or_throw(scene.content, scene.selection, camera, options);
-      const auto error = reference::difference(picture, exact);
-      EXPECT_LT(255 * error.rms, 0.5)
-          << to_text(error) << " with normal " << normal[0] << "," << normal[1] << "," << normal[2];
     }
   }
 }

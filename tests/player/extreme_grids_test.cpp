@@ -33,18 +33,6 @@ std::vector<Camera> cameras() {
           Camera::of(NamedView::kSuperior)};
 }
 
-/// The picture differs from the discrete model by float rounding.
-void expect_the_model(const AtlasContent& content, const Selection& selection, const Camera& camera,
-                      const PictureSize& size) {
-  const RenderOptions options{.size = size, .antialiasing = false};
-  const Picture picture = render_or_throw(content, selection, camera, options);
-  const auto d =
-      reference::difference(picture, reference::render_model({content, selection, camera, options}));
-  EXPECT_LE(d.largest, 2e-5) << to_text(d);
-  EXPECT_GT(d.pixels, 0u);
-  EXPECT_LE(reference::energy_violation(picture), 1e-6);
-}
-
 TEST(ExtremeGrids, ScaleAndPlaceDoNotShow) {
   const AtlasContent usual = make_content(volume_in({{12, 14, 10}}));
   const Selection selection = selection_of("ball:both(opacity=0.5) + half(opacity=0.2)", usual.graph);
@@ -89,26 +77,6 @@ TEST(ExtremeGrids, FitsBeyondReachNameTheAtlas) {
     ++beyond;
   }
   EXPECT_GT(beyond, 0);
-}
-
-TEST(ExtremeGrids, AnisotropicVoxelsEqualTheModel) {
-  for (const Vec3& spacing : {Vec3{1, 1, 50}, {50, 1, 1}, {1, 50, 1}, {0.02, 1, 1}}) {
-    const AtlasContent content = make_content(volume_in({{12, 14, 10}, spacing, {5, 6, 7}}));
-    const Selection selection = selection_of("ball:both(opacity=0.5) + half(opacity=0.2)", content.graph);
-    for (Camera camera : cameras()) {
-      camera.zoom = 12;
-      expect_the_model(content, selection, camera, {11, 11});
-    }
-  }
-}
-
-TEST(ExtremeGrids, OneVoxelThickAtlasesEqualTheModel) {
-  for (const Index3& size :
-       {Index3{1, 1, 1}, {1, 1, 40}, {1, 40, 1}, {40, 1, 1}, {1, 20, 20}, {20, 1, 20}, {20, 20, 1}}) {
-    const AtlasContent content = make_content(volume_in({size}));
-    const Selection selection = selection_of("ball:both(opacity=0.7)", content.graph);
-    for (const Camera& camera : cameras()) expect_the_model(content, selection, camera, {30, 30});
-  }
 }
 
 /// A row longer than 16-bit counts, as a whole and in part.

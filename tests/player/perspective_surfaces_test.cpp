@@ -88,16 +88,6 @@ TEST(PerspectiveSurfaces, PointsAreSeenWhereTheirRaysPassThroughThePicture) {
   }
 }
 
-TEST(PerspectiveSurfaces, AnEyeFarAwaySeesWhatAParallelViewSees) {
-  const auto view = view_from(25, -40, 0.5, 30);
-  const Projection parallel(view.in_plane, kGrid);
-  const Projection far(view.in_plane, kGrid, 1e9);
-  for (const auto& p : {std::array<float, 3>{0, 3, 9}, {15, 1, 2}, {8, 8, 8}}) {
-    EXPECT_NEAR(parallel.on_screen(p).x, far.on_screen(p).x, 1e-6);
-    EXPECT_NEAR(parallel.on_screen(p).y, far.on_screen(p).y, 1e-6);
-  }
-}
-
 /// Triangles around the eye, many of which reach behind it, against rays.
 TEST(PerspectiveSurfaces, EqualRaysThroughSinglePixelsAlsoAcrossTheNearPlane) {
   std::mt19937 random(6);

@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "format/atlas_writer.h"
-#include "player/render/frame/render_overrides.h"
 #include "player/render/sheets/spans/span_model.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/support/fails_with.h"
@@ -21,30 +20,6 @@
 
 namespace splatlas {
 namespace {
-
-/// The paper's table 2, and the effect of the boundary rule in each mode.
-TEST(Renderer, CountsVoxelsByRole) {
-  const AtlasContent content = phantom_content();
-  Renderer renderer(open_in_memory(content), {1, 0});
-  struct Case {
-    const char* selection;
-    std::uint64_t volume, surface, hybrid;
-  };
-  for (const Case& expected : {Case{"Spheres:surface", 0, 1904, 0},
-                               {"Spheres", 5046, 0, 0},
-                               {"Sphere_1:surface + Sphere_2:both", 437, 1440, 464},
-                               {"Sphere_1 + Sphere_2:surface", 4145, 464, 0},
-                               {"", 0, 0, 0}}) {
-    ASSERT_TRUE(renderer.select(selection_of(expected.selection, content.graph)));
-    const RenderStats stats = frame_or_throw(renderer, {}).stats;
-    EXPECT_EQ(stats.volume_voxels, expected.volume) << expected.selection;
-    EXPECT_EQ(stats.surface_voxels, expected.surface) << expected.selection;
-    EXPECT_EQ(stats.hybrid_voxels, expected.hybrid) << expected.selection;
-    EXPECT_DOUBLE_EQ(
-        stats.occupancy,
-        static_cast<double>(expected.volume + expected.surface + expected.hybrid) / (32.0 * 32.0 * 32.0));
-  }
-}
 
 /// Within a tight limit, a new selection drops what earlier ones decoded; the picture is the same.
 TEST(Renderer, DropsEarlierSelectionsAboveTheMemoryLimit) {
@@ -111,40 +86,6 @@ TEST(Renderer, ReadsNothingOfWhatIsNotSelected) {
   }
 }
 
-TEST(Renderer, GivesTheSameBitsWithAnyNumberOfThreads) {
-  int rendered = 0;
-  for (std::uint32_t number = 0; number < 24; ++number) {
-    RandomScene scene = random_scene(number, 24);
-    scene.options.size = {75, 67};
-    const Picture picture =
-        render_with_threads(scene.content, scene.selection, scene.camera, scene.options, scene.overrides);
-    for (const float value : picture.rgba) rendered += value > 0 ? 1 : 0;
-  }
-  EXPECT_GT(rendered, 50000);
-}
-
-/// Earlier frames and selections have no effect.
-TEST(Renderer, GivesTheSameBitsWhateverWasRenderedBefore) {
-  const AtlasContent content = phantom_content();
-  const char* const kSelections[] = {"Spheres:both", "Sphere_1(opacity=0.9)", "Sphere_2:surface(opacity=0.3)",
-                                     ""};
-  Renderer used(open_in_memory(content), {2, 0});
-  for (int step = 0; step < 24; ++step) {
-    const Selection selection = selection_of(kSelections[step % 4], content.graph);
-    const Camera camera{
-        .azimuth_deg = 37.0 * step, .elevation_deg = 11.0 * (step % 7) - 30, .zoom = 1.0 + step % 3};
-    const RenderOptions options{.size = {40 + step, 33}, .hybrid_shading = step % 3 != 0};
-    if (step % 2 == 0) {
-      ASSERT_TRUE(used.select(selection));
-    }
-    const Selection current =
-        step % 2 == 0 ? selection : selection_of(kSelections[(step - 1) % 4], content.graph);
-    const Picture again = render_or_throw(used, camera, options);
-    const Picture fresh = render_or_throw(content, current, camera, options);
-    ASSERT_EQ(again.rgba, fresh.rgba) << "step " << step;
-  }
-}
-
 /// Spans of the previous selection are reused, shaded or not.
 TEST(Renderer, GivesTheSameBitsWhateverWasSelectedBefore) {
   std::mt19937 random(1);
@@ -192,15 +133,6 @@ TEST(Renderer, NothingIsSelectedAtFirst) {
   Renderer renderer(open_in_memory(phantom_content()), {1, 0});
   const Picture picture = render_or_throw(renderer, {}, {.size = {5, 5}});
   EXPECT_EQ(picture.rgba, std::vector<float>(100, 0.0f));
-}
-
-TEST(Renderer, RendersAnAtlasWithoutStructures) {
-  TestVolume volume;
-  volume.grid.size = {3, 4, 5};
-  AtlasContent content = make_content(volume);
-  content.display.radius_mm = 0;
-  const Picture picture = render_or_throw(content, {}, {}, {.size = {9, 9}});
-  EXPECT_EQ(picture.rgba, std::vector<float>(4 * 81, 0.0f));
 }
 
 /// Content outside the picture, near or far, has no effect.
@@ -294,6 +226,20 @@ TEST(Renderer, PicksThePictureBeforeAFrameThatWasRefused) {
   EXPECT_EQ(again->structure, pick->structure);
   EXPECT_EQ(again->point_lps_mm, pick->point_lps_mm);
   EXPECT_FALSE(frame.pick(40, 60));
+}
+
+/// The renderer reuses the memory of a frame: nothing of an earlier id image remains.
+TEST(Renderer, IdImagesAreEmptyUnlessAskedFor) {
+  const AtlasContent content = phantom_content();
+  Renderer renderer = renderer_of(content, selection_of("Spheres", content.graph));
+  Frame frame;
+  ASSERT_TRUE(renderer.render({}, {.size = {32, 16}, .ids = true}, frame));
+  const std::vector<StructureNumber> first = frame.ids.numbers;
+  EXPECT_FALSE(first.empty());
+  ASSERT_TRUE(renderer.render({}, {.size = {32, 16}}, frame));
+  EXPECT_TRUE(frame.ids.empty());
+  ASSERT_TRUE(renderer.render({}, {.size = {32, 16}, .ids = true}, frame));
+  EXPECT_EQ(frame.ids.numbers, first);
 }
 
 /// A frame is not picked with another selection, nor without its renderer.

@@ -60,60 +60,6 @@ TEST(Stress, AnAxisSwitchIsSmallAtSharpEdges) {
   }
 }
 
-/// The longest run lists: one run per voxel. Pictures equal the model, and run counts are exact.
-TEST(Stress, CheckerboardsAndCombsEqualTheModel) {
-  const Index3 size{11, 9, 10};
-  TestVolume volume;
-  volume.grid.size = size;
-  volume.structures = {
-      {"black", make_mask(size, [](auto i, auto j, auto k) { return (i + j + k) % 2 == 0; }), {250, 20, 80}},
-      {"white", make_mask(size, [](auto i, auto j, auto k) { return (i + j + k) % 2 != 0; }), {20, 250, 80}},
-      {"comb", make_mask(size, [](auto i, auto, auto) { return i % 2 == 0; }), {80, 90, 250}}};
-  const AtlasContent content = make_content(volume);
-  for (const char* words : {"black(opacity=0.3)", "black:both(opacity=0.3) + white(opacity=0.9)",
-                            "comb:surface(opacity=0.4) + white(opacity=0.5)"}) {
-    const Selection selection = selection_of(words, content.graph);
-    Renderer renderer = renderer_of(content, selection);
-    const Camera camera{.azimuth_deg = 33, .elevation_deg = -17};
-    const RenderOptions options{.size = {30, 30}, .antialiasing = false};
-    const Frame frame = frame_or_throw(renderer, camera, options);
-    const auto d =
-        reference::difference(frame.picture, reference::render_model({content, selection, camera, options}));
-    EXPECT_LE(d.largest, 1e-4 + 2e-5) << words << ": " << to_text(d);  // early ray termination, rounding
-    EXPECT_GT(d.pixels, 300u);
-    const std::uint64_t runs = words == std::string("black(opacity=0.3)") ? 495 : 990;
-    EXPECT_LE(frame.stats.runs_visited, runs) << words;
-    if (runs == 495) {
-      EXPECT_EQ(frame.stats.runs_visited, runs);
-    }
-  }
-}
-
-/// All but one structure, as a removal, as every other one and as a complement: the same bits.
-TEST(Stress, AllNoneAndComplementsAreTheSameSelections) {
-  TestVolume volume;
-  volume.grid.size = {12, 12, 12};
-  volume.structures = {{"all", {}}};
-  for (int s = 0; s < 6; ++s) {
-    volume.structures.push_back({"part" + std::to_string(s),
-                                 make_mask(volume.grid.size, [s](auto i, auto, auto) { return i / 2 == s; }),
-                                 {static_cast<std::uint8_t>(40 * s), 200, 90},
-                                 {0}});
-  }
-  const AtlasContent content = make_content(volume);
-  Renderer renderer(open_in_memory(content), {1, 0});
-  const auto picture = [&](const char* words) {
-    EXPECT_TRUE(renderer.select(selection_of(words, content.graph)));
-    return render_or_throw(renderer, Camera{}, {.size = {24, 24}}).rgba;
-  };
-  const auto without = picture("all - part2");
-  EXPECT_EQ(picture("part0 + part1 + part3 + part4 + part5"), without);
-  EXPECT_EQ(picture("* - part2"), without);
-  EXPECT_EQ(picture("all + part2:surface - part2"), without);
-  EXPECT_EQ(picture("all - all"), std::vector<float>(4 * 24 * 24, 0.0f));
-  EXPECT_NE(picture("all"), without);
-}
-
 /// A thousand pixels per voxel, and a hundred voxels per pixel.
 TEST(Stress, ZoomsFromHundredthsToThousandsOfPixelsAVoxel) {
   const AtlasContent plate = box_content({400, 7, 400});

@@ -58,6 +58,22 @@ inline std::string deflated(const std::string& bytes, bool gzip) {
   return result;
 }
 
+/// Four bytes, the highest first.
+inline std::string big_endian(std::uint32_t value) {
+  std::string bytes;
+  for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift & 0xff);
+  return bytes;
+}
+
+/// A chunk of a PNG file.
+inline std::string png_chunk(const std::string& type, const std::string& data) {
+  const std::string checked = type + data;
+  const uLong sum =
+      crc32(0, reinterpret_cast<const Bytef*>(checked.data()), static_cast<uInt>(checked.size()));
+  return big_endian(static_cast<std::uint32_t>(data.size())) + checked +
+         big_endian(static_cast<std::uint32_t>(sum));
+}
+
 /// A NIfTI-1 header of RawImage with an identity sform in RAS, spacing 1 x 2 x 3 mm, and four empty extension
 /// bytes.
 inline std::string nifti_header() {

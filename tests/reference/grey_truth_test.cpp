@@ -242,16 +242,5 @@ TEST(GreyTruth, AnEyeInsideSeesWhatLiesAhead) {
   EXPECT_NEAR(ray.per_mm[1], std::sin(std::numbers::pi / 6), 1e-12);  // right is posterior (+y)
 }
 
-TEST(GreyTruth, PicturesDoNotDependOnThreads) {
-  std::mt19937 random(3);
-  const MaskedVolume volume = random_volume(random);
-  const GreyTruth truth(volume, stepped_appearance(), Classification::kAfter);
-  const ParallelView view = *parallel_view({.azimuth_deg = 33, .elevation_deg = -21}, {31, 17},
-                                           {.center_lps_mm = {3, 2, 2.5}, .radius_mm = 6});
-  const ReferencePicture one = render_grey_truth(truth, volume.grid, view, 1);
-  EXPECT_EQ(one.pixels, render_grey_truth(truth, volume.grid, view, 3).pixels);
-  EXPECT_GT(one.pixels[8 * 31 + 15][3], 0.1);
-}
-
 }  // namespace
 }  // namespace splatlas::reference

@@ -66,24 +66,5 @@ TEST(ReferenceVolume, ABoxIsAsLongAsItsVoxels) {
   EXPECT_NEAR(integrate_ray(field, ray, 6, 6.25).transmittance, std::exp(-0.3 * 0.25 * 0.25 / 2), 1e-13);
 }
 
-/// Parts of a ray add up, although each has other quadrature nodes.
-TEST(ReferenceVolume, PartsAddUp) {
-  for (std::uint32_t number = 0; number < 60; ++number) {
-    const RandomScene scene = random_scene(number);
-    const ParallelView view = view_of(scene);
-    const OpticalField field = optical_field(scene.content, scene.selection, view, true);
-    const Ray ray = ray_through(view, field.grid, 0.4 * view.size.width, 0.6 * view.size.height);
-    const RayRadiance whole = integrate_ray(field, ray);
-    RayRadiance sum;
-    double from = -kInfinity;
-    for (const double to : {-3.3, -1.0, 0.0, 0.01, 2.7, kInfinity}) {
-      sum.add(integrate_ray(field, ray, from, to));
-      from = to;
-    }
-    EXPECT_NEAR(sum.transmittance, whole.transmittance, 1e-11) << "scene " << number;
-    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(sum.color[c], whole.color[c], 1e-11);
-  }
-}
-
 }  // namespace
 }  // namespace splatlas::reference

@@ -12,13 +12,6 @@ namespace splatlas {
 /// Stands for the scalar references among Highway's targets.
 inline constexpr std::int64_t kScalarReference = 0;
 
-/// kernel_targets() without Highway's scalar target, for kernels whose scalar reference is just that.
-inline std::vector<std::int64_t> simd_targets() {
-  std::vector<std::int64_t> targets = kernel_targets();
-  std::erase(targets, std::int64_t{HWY_SCALAR});
-  return targets;
-}
-
 /// kernel_targets() and the scalar references.
 inline std::vector<std::int64_t> targets_and_reference() {
   std::vector<std::int64_t> targets = kernel_targets();

@@ -45,31 +45,5 @@ TEST(PhantomBench, CountsWhatThePapersTables1And2Count) {
   EXPECT_EQ(folder.names(), std::vector<std::string>{"phantom.json"});
 }
 
-TEST(BenchProgram, TellsWrongUseInOneLine) {
-  const auto refusal = [](const std::vector<std::string>& words) {
-    const ProgramResult result = run_program(words);
-    EXPECT_EQ(result.status, 2);
-    EXPECT_EQ(result.out, "");
-    return result.err;
-  };
-  EXPECT_EQ(refusal({SPLATLAS_BENCH, "fantom"}),
-            "splatlas-bench: fantom: no such bench; --help lists them\n");
-  EXPECT_EQ(refusal({SPLATLAS_BENCH}), "splatlas-bench: NAME is required; see splatlas-bench --help\n");
-  EXPECT_EQ(refusal({SPLATLAS_BENCH, "phantom", "--fast"}),
-            "splatlas-bench: The following argument was not expected: --fast; see splatlas-bench --help\n");
-  EXPECT_EQ(refusal({SPLATLAS_BENCH, "phantom", "--json", ""}),
-            "splatlas-bench: --json \"\": must name a file\n");
-}
-
-TEST(BenchProgram, DoesNotWriteOverItsInput) {
-  const TemporaryFolder folder;
-  std::ofstream(folder.file("a.atlas")) << "precious";
-  const ProgramResult result =
-      run_program({SPLATLAS_BENCH, "head", "--atlas", "a.atlas", "--json", "./a.atlas"}, folder.path());
-  EXPECT_EQ(result.status, 2);
-  EXPECT_EQ(result.err, "splatlas-bench: ./a.atlas: is an input (a.atlas); write to another file\n");
-  EXPECT_EQ(std::filesystem::file_size(folder.file("a.atlas")), 8u);
-}
-
 }  // namespace
 }  // namespace splatlas

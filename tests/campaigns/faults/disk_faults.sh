@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Faults at the system calls of every command that writes: strace lets one call fail, or kills the process there.
-# Afterwards the folder must be as before or as after a whole run, and exit status and message must match. A killed
-# process may leave a temporary name for each output.
+# Faults at the system calls of every command that writes: strace lets one call fail, or ends the process there.
+# Afterwards the folder must be as before or as after a whole run, and exit status and message must match. SIGKILL may
+# leave a temporary name for each output, SIGTERM leaves none.
 #
 #   disk_faults.sh PROGRAMS [EVERY [TEXT]]   each EVERY-th point (default 1) of the commands with TEXT in their names
 set -euo pipefail
@@ -59,10 +59,10 @@ points() {
 judge() {
   local now left what
   left=$(find . -name '.splatlas-*' -prune | wc -l)
-  if [[ $3 == KILL ]]; then
+  if [[ $3 != E* ]]; then
     rm -rf .splatlas-*
-    [[ $1 == 137 ]] || echo "exit status $1"
-    ((left <= ${#outputs[@]})) || echo "$left temporaries"
+    (($1 == 128 + $(kill -l "$3"))) || echo "exit status $1"
+    [[ $left == 0 || ($3 == KILL && $left -le ${#outputs[@]}) ]] || echo "$left temporaries"
   fi
   now=$(state)
   case $now in
@@ -72,7 +72,7 @@ judge() {
   esac
   if [[ $what == mixed && $2 != rename* ]] || grep -qvxF "$old"$'\n'"$new" <<<"$now"; then
     echo "neither the old folder nor the new one"
-  elif [[ $3 != KILL ]]; then
+  elif [[ $3 == E* ]]; then
     case $1 in
       0) [[ $what == new ]] || echo "success, and the $what output" ;;
       1)
@@ -80,6 +80,7 @@ judge() {
         [[ $(grep -cvE '^(note|warning): ' "$scratch/err") == 1 ]] || echo "not one line: $(cat "$scratch/err")"
         grep -qE '^splatlas-[a-z]+: .*(atlas|labels|volume|names|masks|surface|picture|report|exported)' "$scratch/err" ||
           echo "no file in: $(cat "$scratch/err")"
+        ! grep -q '\.splatlas-' "$scratch/err" || echo "a temporary name in: $(cat "$scratch/err")"
         ;;
       *) echo "exit status $1: $(cat "$scratch/err")" ;;
     esac
@@ -100,11 +101,11 @@ rehearse() {
   new=$(state)
   [[ $new != "$old" ]] || { echo "$name: changes nothing" && exit 1; }
   while read -r call number kind; do
-    for fault in EIO ENOSPC KILL; do
+    for fault in EIO ENOSPC KILL TERM; do
       [[ $kind == stores || $fault == EIO ]] || continue
       ((total++ % every == 0)) || continue
       inject=(--seccomp-bpf -e "inject=$call:error=$fault:when=$number")
-      [[ $fault != KILL ]] || inject=(-e "inject=$call:signal=KILL:when=$number")  # --seccomp-bpf loses signals
+      [[ $fault == E* ]] || inject=(-e "inject=$call:signal=$fault:when=$number")  # --seccomp-bpf loses signals
       put_old
       status=0
       { strace -f -qq -o /dev/null -e trace="$call" "${inject[@]}" "$@" >"$scratch/out" 2>"$scratch/err" ||
@@ -132,7 +133,9 @@ rehearse 'export masks' false masks "$programs/splatlas-preprocess" export in.at
 for ending in nrrd nii nii.gz mha; do export_to "exported.$ending" --labels "exported.$ending"; done
 export_to volume.nrrd --volume volume.nrrd
 for ending in stl ply obj vtk; do export_to "surface.$ending" --surface "left=surface.$ending"; done
-for ending in png jpg tif exr; do render_to "picture.$ending" true; done
+rehearse 'export several' true 'labels.nii volume.nii surface.stl' "$programs/splatlas-preprocess" export in.atlas \
+  --labels labels.nii --volume volume.nii --surface '*=surface.stl'
+for ending in png jpg tif exr svg pdf; do render_to "picture.$ending" true; done
 render_to picture.png false
 echo "$struck of $total points, $wrong wrong"
 ((struck > 0 && wrong == 0))

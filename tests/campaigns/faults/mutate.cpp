@@ -9,6 +9,8 @@
 
 #include <zlib.h>
 
+#include "tests/preprocess/raw_image_files.h"
+
 namespace splatlas {
 namespace {
 
@@ -95,20 +97,6 @@ std::optional<std::string> inflated(const std::string& bytes) {
   return is_whole ? std::optional(std::move(content)) : std::nullopt;
 }
 
-std::string deflated(std::string content) {
-  z_stream stream{};
-  if (deflateInit2(&stream, 1, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) != Z_OK) return {};
-  std::string bytes(deflateBound(&stream, content.size()) + 64, '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(content.data());
-  stream.avail_in = static_cast<uInt>(content.size());
-  stream.next_out = reinterpret_cast<Bytef*>(bytes.data());
-  stream.avail_out = static_cast<uInt>(bytes.size());
-  deflate(&stream, Z_FINISH);
-  bytes.resize(stream.total_out);
-  deflateEnd(&stream);
-  return bytes;
-}
-
 }  // namespace
 
 Mutant mutate(const std::string& bytes, std::mt19937& random) {
@@ -136,7 +124,7 @@ Mutant mutate_inflated(const std::string& bytes, std::mt19937& random) {
   const std::optional<std::string> content = inflated(bytes);
   if (!content) return mutate(bytes, random);
   Mutant mutant = mutate(*content, random);
-  mutant.bytes = deflated(std::move(mutant.bytes));
+  mutant.bytes = deflated(mutant.bytes, true);
   return mutant;
 }
 

@@ -3,11 +3,9 @@
 #include <array>
 #include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include "tests/preprocess/import/images/dicom/dicom_files.h"
 #include "tests/preprocess/import/planted_files.h"
@@ -22,20 +20,6 @@ namespace fs = std::filesystem;
 void write(const fs::path& path, const std::string& bytes) {
   fs::create_directories(path.parent_path());
   if (!write_bytes(path, bytes)) throw std::runtime_error(path.string() + ": cannot be written");
-}
-
-std::string big_endian(std::uint32_t value) {
-  std::string bytes;
-  for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift & 0xff);
-  return bytes;
-}
-
-std::string png_chunk(const std::string& type, const std::string& data) {
-  const std::string checked = type + data;
-  const uLong sum =
-      crc32(0, reinterpret_cast<const Bytef*>(checked.data()), static_cast<uInt>(checked.size()));
-  return big_endian(static_cast<std::uint32_t>(data.size())) + checked +
-         big_endian(static_cast<std::uint32_t>(sum));
 }
 
 /// 8 x 6 grey pixels of 8 bits.

@@ -114,39 +114,22 @@ Bytes with_zero_values(const Bytes& file) {
 }
 
 std::vector<WorkBomb> work_bombs() {
-  return {
-      {"two voxels in 2^24 x 2^16",
-       [] {
-         return two_voxels({1 << 24, 1 << 16, 1});
-       }},
-      {"two voxels in 2^16 x 2^24",
-       [] {
-         return two_voxels({1 << 16, 1 << 24, 1});
-       }},
-      {"two voxels in 1 x 2^16 x 2^24",
-       [] {
-         return two_voxels({1, 1 << 16, 1 << 24});
-       }},
-      {"two voxels in a row of 2^24",
-       [] {
-         return two_voxels({1, 1, 1 << 24});
-       }},
-      {"two voxels in 8192^3",
-       [] {
-         return two_voxels({8192, 8192, 8192});
-       }},
-      {"two voxels in 2000^3",
-       [] {
-         return two_voxels({2000, 2000, 2000});
-       }},
-      {"two voxels in 640^3",
-       [] {
-         return two_voxels({640, 640, 640});
-       }},
-      {"two voxels in 280^3",
-       [] {
-         return two_voxels({280, 280, 280});
-       }},
+  std::vector<WorkBomb> bombs;
+  for (const auto& [name, size] :
+       std::vector<std::pair<const char*, Index3>>{{"2^24 x 2^16", {1 << 24, 1 << 16, 1}},
+                                                   {"2^16 x 2^24", {1 << 16, 1 << 24, 1}},
+                                                   {"1 x 2^16 x 2^24", {1, 1 << 16, 1 << 24}},
+                                                   {"a row of 2^24", {1, 1, 1 << 24}},
+                                                   {"8192^3", {8192, 8192, 8192}},
+                                                   {"2000^3", {2000, 2000, 2000}},
+                                                   {"640^3", {640, 640, 640}},
+                                                   {"280^3", {280, 280, 280}}})
+    bombs.push_back({std::string("two voxels in ") + name, [size = size] { return two_voxels(size); }});
+  for (const auto& [name, size] : std::vector<std::pair<const char*, Index3>>{
+           {"30 MB", {160, 160, 150}}, {"48 MB", {200, 200, 150}}, {"4 GB", {800, 800, 800}}})
+    bombs.push_back(
+        {std::string(name) + " of values", [size = size] { return with_zero_values(two_voxels(size)); }});
+  const std::vector<WorkBomb> others{
       {"20 fitted pairs", [] { return fitted_pairs(20, 500); }},
       {"1000 fitted pairs", [] { return fitted_pairs(1000, 500); }},
       {"228 600 parents", [] { return layered_graph(255, 30); }},
@@ -163,19 +146,9 @@ std::vector<WorkBomb> work_bombs() {
       {"plate of 300^2", [] { return plate(300); }},
       {"plate of 900^2", [] { return plate(900); }},
       {"plate of 4000^2", [] { return plate(4000); }},
-      {"30 MB of values",
-       [] {
-         return with_zero_values(two_voxels({160, 160, 150}));
-       }},
-      {"48 MB of values",
-       [] {
-         return with_zero_values(two_voxels({200, 200, 150}));
-       }},
-      {"4 GB of values",
-       [] {
-         return with_zero_values(two_voxels({800, 800, 800}));
-       }},
   };
+  bombs.insert(bombs.end(), others.begin(), others.end());
+  return bombs;
 }
 
 Bytes sparse_giant(std::uint32_t seed, const SparseExtent& extent) {

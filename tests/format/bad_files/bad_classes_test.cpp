@@ -14,13 +14,11 @@ using BadDirectory = BadFile<RawDirectory>;
 constexpr BadPart<RawDirectory> kMembers[] = {
     {[](auto& d) { d.classes[0].members_end = 1; }, "class 0 repeats another class"},
     {[](auto& d) { d.members[0] = 5 * 4; }, "class 1 has part 0 of structure 5"},
-    {[](auto& d) { d.members[0] = 0xfffffffc; }, "class 1 has part 0 of structure 1073741823"},
     {[](auto& d) { d.members[0] = good::kCore * 4 + 3; }, "class 1 has part 3 of structure 1"},
     {[](auto& d) { d.members[3] = d.members[2]; }, "memberships of class 3 are not in order"},
     {[](auto& d) { d.members[3] = good::kCore * 4 + 2; }, "memberships of class 3 are not in order"},
     {[](auto& d) { std::swap(d.members[2], d.members[3]); }, "memberships of class 3 are not in order"},
     {[](auto& d) { d.members[1] = good::kCore * 4; }, "class 2 repeats another class"},
-    {[](auto& d) { d.classes[1].members_end = 0; }, "class 1 repeats another class"},
     {[](auto& d) { d.classes.clear(), d.members.clear(); },
      "5 structures (limit 1048576) and 0 classes (1 to 16777216)"},
     {[](auto& d) { d.classes.pop_back(), d.members.pop_back(), d.normals_fitted.pop_back(); },
@@ -30,16 +28,12 @@ constexpr BadPart<RawDirectory> kMembers[] = {
 constexpr BadDirectory kEndsOfMembers[] = {
     {"that fall", [](auto& d) { d.classes[3].members_end = 1; }},
     {"beyond the members", [](auto& d) { ++d.classes.back().members_end; }},
-    {"at the largest number", [](auto& d) { d.classes[2].members_end = 0xffffffff; }},
     {"one membership too many", [](auto& d) { d.members.push_back(0); }},
-    {"one membership too few", [](auto& d) { d.members.pop_back(); }},
 };
 
 constexpr BadDirectory kVoxels[] = {
     {"one more", [](auto& d) { ++d.classes[0].voxels; }, "classes have more voxels than the grid's 200"},
     {"one less", [](auto& d) { --d.classes[0].voxels; }, "classes have 199 voxels, the grid has 200"},
-    {"2^64 - 1", [](auto& d) { d.classes[0].voxels = ~std::uint64_t{0}; },
-     "classes have more voxels than the grid's 200"},
     {"counts that wrap around to the right sum",
      [](auto& d) {
        for (const ClassId c : {0u, 1u}) d.classes[c].voxels += std::uint64_t{1} << 63;
@@ -48,9 +42,6 @@ constexpr BadDirectory kVoxels[] = {
     {"one moved to another class",
      [](auto& d) { --d.classes[kCoreBoundary].voxels, ++d.classes[kRimBoundary].voxels; },
      "box of class 4 does not fit its 10 voxels in the grid"},
-    {"one moved to a class without room",
-     [](auto& d) { ++d.classes[kCoreInterior].voxels, --d.classes[0].voxels; },
-     "box of class 1 does not fit its 2 voxels in the grid"},
     {"none in a class with a box",
      [](auto& d) { d.classes[0].voxels += 6, d.classes[kNeedleCrossed].voxels = 0; },
      "box of class 7 does not fit its 0 voxels in the grid"},
@@ -85,85 +76,53 @@ constexpr BadPart<RawDirectory> kBoxes[] = {
     {[](auto& d) { d.classes[4].box_last[0] = 10; }, "class 4 does not fit its 9"},
     {[](auto& d) { d.classes[5].box_last[1] = 5; }, "class 5 does not fit its 1"},
     {[](auto& d) { d.classes[6].box_last[2] = 0x7fffffff; }, "class 6 does not fit its 26"},
-    {[](auto& d) { std::swap(d.classes[2].box_first[1], d.classes[2].box_last[1]); },
-     "class 2 does not fit its 17"},
-    {[](auto& d) { d.classes[7].box_last[0] = 4; }, "class 7 does not fit its 6"},
     {[](auto& d) { clear_box(d.classes[1]); }, "class 1 does not fit its 1"},
-    {[](auto& d) { d.classes[0].box_last[0] = 10; }, "class 0 does not fit its 131"},
-    {[](auto& d) { d.classes[0].box_first[1] = 5; }, "class 0 does not fit its 131"},
 };
 
 constexpr BadPart<RawDirectory> kEmptyBoxes[] = {
     {[](auto& d) { d.classes[0].box_first[0] = 251; }, "0"},
-    {[](auto& d) { d.classes[0].box_last[0] = -1; }, "0"},
-    {[](auto& d) { d.classes[7].box_last[0] = -1; }, "7"},
     {[](auto& d) { leave_without_voxels(d, kNeedleCrossed).box_last[0] = -2; }, "7"},
-    {[](auto& d) { leave_without_voxels(d, kNeedleCrossed).box_last[1] = 0; }, "7"},
     {[](auto& d) { leave_without_voxels(d, kNeedleCrossed).box_first[2] = 1; }, "7"},
 };
 
 constexpr BadPart<RawDirectory> kOtherBoxes[] = {
     {[](auto& d) { d.classes[1].box_last[0] = 9; }, "class 1"},
-    {[](auto& d) { d.classes[1].box_first = d.classes[1].box_last = {}; }, "class 1"},
     {[](auto& d) { d.classes[kCoreAndRim].box_last[0] = 9; }, "class 3"},
 };
 
 constexpr BadPart<RawDirectory> kRunBytes[] = {
     {[](auto& d) { d.classes[0].run_bytes[0] = 4; }, "class 0 along axis 0 take 4 bytes for 0"},
-    {[](auto& d) { d.classes[0].run_bytes[2] = 4; }, "class 0 along axis 2 take 4 bytes for 0"},
     {[](auto& d) { d.classes[1].run_bytes[0] = 0; }, "class 1 along axis 0 take 0 bytes for 1"},
-    {[](auto& d) { d.classes[2].run_bytes[1] = 0; }, "class 2 along axis 1 take 0 bytes for 17"},
     {[](auto& d) { d.classes[3].run_bytes[2] = 0; }, "class 3 along axis 2 take 0 bytes for 9"},
     {[](auto& d) { d.classes[1].run_bytes[0] = 3; }, "class 1 along axis 0 take 3 bytes for 1"},
     {[](auto& d) { d.classes[1].run_bytes[1] = 31; }, "class 1 along axis 1 take 31 bytes for 1"},
-    {[](auto& d) { d.classes[7].run_bytes[2] = 0xffffffff; },
-     "class 7 along axis 2 take 4294967295 bytes for 6"},
-    {[](auto& d) {
-       d.classes[kCoreInterior].run_bytes[2] += std::exchange(d.classes[kCoreBoundary].run_bytes[2], 0);
-     },
-     "class 1 along axis 2 take 32 bytes for 1"},
 };
 
 constexpr BadPart<RawDirectory> kTotals[] = {
     {[](auto& d) { d.run_totals[0] = 70; }, "0 has 70"},
     {[](auto& d) { d.run_totals[1] = ~std::uint64_t{0}; }, "1 has 18446744073709551615"},
-    {[](auto& d) { d.run_totals[2] = 1u << 31; }, "2 has 2147483648"},
 };
 
 constexpr BadPart<RawDirectory> kOtherTotals[] = {
     {[](auto& d) { --d.run_totals[0]; }, "x has more than the 30 runs that the directory states"},
     {[](auto& d) { ++d.run_totals[1]; }, "y has 40 runs, the directory says 41"},
-    {[](auto& d) { d.run_totals[2] = 0; }, "z has more than the 0 runs that the directory states"},
-    {[](auto& d) { ++d.classes[2].run_bytes[2], --d.classes[3].run_bytes[2]; },
-     "z of class 2: trailing bytes after the run list"},
 };
 
 using Flags = std::vector<std::uint8_t>;
 constexpr BadPart<Flags> kNormalsFitted[] = {
     {[](auto& f) { f.pop_back(); }, "normals of 7 classes, there are 8"},
     {[](auto& f) { f.push_back(0); }, "normals of 9 classes, there are 8"},
-    {[](auto& f) { f.clear(); }, "normals of 0 classes, there are 8"},
     {[](auto& f) { f[0] = 1; }, "class 0 has fitted normals but no boundary"},
     {[](auto& f) { f[kKnobInterior] = 1; }, "class 5 has fitted normals but no boundary"},
     {[](auto& f) { f[kNeedleCrossed] = 1; }, "class 7 has fitted normals but no boundary"},
     {[](auto& f) { f[kKnobBoundary] = 2; }, "normals of class 6 are fitted by 2"},
-    {[](auto& f) { f[kCoreBoundary] = 255; }, "normals of class 2 are fitted by 255"},
     {[](auto& f) { f[kCoreBoundary] = 1; }, "chunk 0 of section normals stores 36 bytes as 70"},
 };
 
 /// Valid directories of other chunks.
 constexpr BadDirectory kOtherLengths[] = {
-    {"two classes exchanged",
-     [](auto& d) {
-       std::swap(d.classes[kRimBoundary], d.classes[kNeedleCrossed]);
-       std::swap(d.classes[kRimBoundary].members_end, d.classes[kNeedleCrossed].members_end);
-       std::swap(d.members[4], d.members[7]);
-     },
-     "wrong frame length (expected 484 bytes) of values of classes 0 to 4"},
     {"a list one byte longer", [](auto& d) { ++d.classes[2].run_bytes[0]; },
      "wrong frame length (expected 94 bytes) of runs_x of classes 1 to 7"},
-    {"a list one byte shorter", [](auto& d) { --d.classes[2].run_bytes[0]; },
-     "wrong frame length (expected 92 bytes) of runs_x of classes 1 to 7"},
     {"a list for the second class of a shared one",
      [](auto& d) { d.classes[kKnobBoundary].run_bytes[0] = 4; },
      "wrong frame length (expected 97 bytes) of runs_x of classes 1 to 7"},
@@ -178,18 +137,13 @@ constexpr BadDirectory kValid[] = {
 constexpr BadPart<RawDirectory> kFingerprintsWithoutVoxels[] = {
     {[](auto& d) { leave_without_voxels(d, kNeedleCrossed), d.fingerprints[kNeedleCrossed] = 1; },
      "fingerprint 1 of class 7"},
-    {[](auto& d) { leave_without_voxels(d, kCoreInterior), d.fingerprints[kCoreInterior] = 77; },
-     "fingerprint 77 of class 1"},
 };
 
 constexpr BadPart<std::vector<std::uint64_t>> kFingerprints[] = {
     {[](auto& f) { f.pop_back(); }, "invalid: 7 fingerprints of 8 classes"},
-    {[](auto& f) { f.push_back(0); }, "invalid: 9 fingerprints of 8 classes"},
     {[](auto& f) { f[1] = (std::uint64_t{1} << 61) - 1; },
      "invalid: fingerprint 2305843009213693951 of class 1"},
-    {[](auto& f) { f[7] = ~std::uint64_t{0}; }, "invalid: fingerprint 18446744073709551615 of class 7"},
     {[](auto& f) { f[1] ^= 1; }, "invalid: fingerprints of classes do not add up to that of the grid"},
-    {[](auto& f) { f[0] = 0; }, "invalid: fingerprints of classes do not add up to that of the grid"},
     {[](auto& f) { std::swap(f[1], f[3]); },
      "invalid: runs_z of class 1 covers other voxels than its fingerprint"},
     {[](auto& f) { std::swap(f[5], f[6]); },

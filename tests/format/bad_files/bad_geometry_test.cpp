@@ -11,7 +11,6 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr auto kMinimum = std::numeric_limits<std::int64_t>::min();
-constexpr auto kMaximum = std::numeric_limits<std::int64_t>::max();
 
 /// A size of the source grid.
 struct BadSize {
@@ -22,25 +21,18 @@ struct BadSize {
 
 constexpr BadSize kSizes[] = {
     {"x of no voxels", {0, 5, 4}, "0x5x4"},
-    {"y of no voxels", {10, 0, 4}, "10x0x4"},
-    {"z of no voxels", {10, 5, 0}, "10x5x0"},
     {"x negative", {-10, 5, 4}, "-10x5x4"},
-    {"x and y negative", {-10, -5, 4}, "-10x-5x4"},
     {"z the minimum", {10, 5, kMinimum}, "10x5x-9223372036854775808"},
-    {"x the largest number", {kMaximum, 5, 4}, "9223372036854775807x5x4"},
     {"y above the limit", {10, (1 << 24) + 1, 4}, "10x16777217x4"},
 };
 
 constexpr BadSize kProducts[] = {
     {"above the limit", {1 << 14, 1 << 14, (1 << 12) + 1}, "16384x16384x4097"},
     {"that wraps to 0", {1 << 24, 1 << 24, 1 << 16}, "16777216x16777216x65536"},
-    {"that wraps to the same", {1 << 24, 1 << 24, 1 << 24}, "16777216x16777216x16777216"},
 };
 
 constexpr BadSize kOtherSizes[] = {
     {"one voxel along x more", {11, 5, 4}, "classes have 200 voxels, the grid has 220"},
-    {"one voxel along x less", {9, 5, 4}, "box of class 0 does not fit its 131 voxels in the grid"},
-    {"x and y exchanged", {5, 10, 4}, "box of class 0 does not fit its 131 voxels in the grid"},
     {"the maximum number of voxels",
      {1 << 14, 1 << 13, 1 << 13},
      "classes have 200 voxels, the grid has 1099511627776"},
@@ -51,56 +43,42 @@ constexpr BadPart<RawGrid> kSpacings[] = {
     {[](auto& g) { g.spacing_mm[1] = -1.5; }, "-1.5 mm must be positive and finite"},
     {[](auto& g) { g.spacing_mm[2] = kNan; }, "nan mm must be positive and finite"},
     {[](auto& g) { g.spacing_mm[0] = kInf; }, "inf mm must be positive and finite"},
-    {[](auto& g) { g.spacing_mm[1] = -kInf; }, "-inf mm must be positive and finite"},
     {[](auto& g) { g.spacing_mm[0] = 1e-10; }, "1e-10 mm must be from 1e-09 to 1000000000 mm"},
     {[](auto& g) { g.spacing_mm[2] = 2e9; }, "2000000000 mm must be from 1e-09 to 1000000000 mm"},
 };
 
 constexpr BadPart<RawGrid> kPlaces[] = {
     {[](auto& g) { g.origin_lps_mm[0] = kNan; }, "the origin is not finite"},
-    {[](auto& g) { g.origin_lps_mm[1] = kInf; }, "the origin is not finite"},
-    {[](auto& g) { g.origin_lps_mm[2] = -kInf; }, "the origin is not finite"},
     {[](auto& g) { g.origin_lps_mm[1] = -1.7e308; },
      "the origin (0, -1.7e+308, 0 mm) must be within 1000000000000000 mm"},
     {[](auto& g) { g.direction_lps[0] = 1e4; }, "axis 0 of the direction has length 10000, expected 1"},
     {[](auto& g) { g.direction_lps[8] = 1e-4; }, "axis 2 of the direction has length 0.0001, expected 1"},
     {[](auto& g) { g.direction_lps[4] = kNan; }, "the direction is not finite"},
-    {[](auto& g) { g.direction_lps[8] = kInf; }, "the direction is not finite"},
 };
 
 constexpr BadPart<RawGrid> kDirections[] = {
     {[](auto& g) { g.direction_lps = {}; }, "0 0 0 0 0 0 0 0 0"},
-    {[](auto& g) { g.direction_lps[0] = 0; }, "0 0 0 0 1 0 0 0 1"},
     {[](auto& g) { g.direction_lps = {1, 1, 0, 0, 0, 0, 0, 0, 1}; }, "1 1 0 0 0 0 0 0 1"},
-    {[](auto& g) { g.direction_lps = {1, -1, 0, 0, 0, 0, 0, 0, 1}; }, "1 -1 0 0 0 0 0 0 1"},
-    {[](auto& g) { g.direction_lps = {1, 0, 1, 0, 1, 1, 0, 0, 0}; }, "1 0 1 0 1 1 0 0 0"},
     {[](auto& g) { g.direction_lps = {1, 1, 0, 0, 1e-8, 0, 0, 0, 1}; }, "1 1 0 0 1e-08 0 0 0 1"},
 };
 
 constexpr BadPart<RawAxisOrder> kOrders[] = {
     {[](auto& o) { o.from[2] = 1; }, "axis order is not a permutation"},
-    {[](auto& o) { o.from.fill(2); }, "axis order is not a permutation"},
     {[](auto& o) { o.from[2] = 3; }, "axis order is not a permutation"},
-    {[](auto& o) { o.from[0] = 255; }, "axis order is not a permutation"},
     {[](auto& o) { o.flipped[1] = 2; }, "an axis is reversed by 2"},
-    {[](auto& o) { o.flipped[2] = 255; }, "an axis is reversed by 255"},
     {[](auto& o) { std::swap(o.from[0], o.from[1]); },
      "box of class 0 does not fit its 131 voxels in the grid"},
 };
 
 constexpr BadPart<RawDirectory> kTypes[] = {
     {[](auto& d) { d.value_type = 9; }, "invalid: unknown voxel type 9"},
-    {[](auto& d) { d.value_type = 255; }, "invalid: unknown voxel type 255"},
     {[](auto& d) { d.value_type = 0; },
      "invalid: section values has 2 chunks, its streams of 0 bytes need 0"},
     {[](auto& d) { d.value_type = 3; },
      "damaged: wrong frame length (expected 458 bytes) of values of classes 0 to 2"},
-    {[](auto& d) { d.value_type = 5; },
-     "damaged: wrong frame length (expected 524 bytes) of values of class 0"},
     {[](auto& d) { d.value_type = 8; },
      "invalid: section values has 2 chunks, its streams of 1600 bytes need more"},
     {[](auto& d) { d.label_type = 9; }, "invalid: unknown voxel type 9"},
-    {[](auto& d) { d.label_type = 255; }, "invalid: unknown voxel type 255"},
     {[](auto& d) {
        d.source_grid.origin_lps_mm[0] = 1e15;
        d.source_grid.spacing_mm[0] = 1e9;
@@ -111,20 +89,15 @@ constexpr BadPart<RawDirectory> kTypes[] = {
 
 constexpr BadPart<RawDisplay> kWindows[] = {
     {[](auto& d) { d.window_low = kNan; }, "nan to 240"},
-    {[](auto& d) { d.window_low = -kInf; }, "-inf to 240"},
-    {[](auto& d) { d.window_high = kNan; }, "10 to nan"},
     {[](auto& d) { d.window_high = kInf; }, "10 to inf"},
 };
 
 constexpr BadPart<RawDisplay> kBalls[] = {
     {[](auto& d) { d.center_lps_mm[0] = kNan; }, "nan, 3, 3 of radius 9"},
-    {[](auto& d) { d.center_lps_mm[1] = kInf; }, "4, inf, 3 of radius 9"},
-    {[](auto& d) { d.center_lps_mm[2] = kNan; }, "4, 3, nan of radius 9"},
     {[](auto& d) { d.center_lps_mm[0] = 1.7e308; }, "1.7e+308, 3, 3 of radius 9"},
     {[](auto& d) { d.radius_mm = 1.7e308; }, "4, 3, 3 of radius 1.7e+308"},
     {[](auto& d) { d.radius_mm = -1; }, "4, 3, 3 of radius -1"},
     {[](auto& d) { d.radius_mm = kNan; }, "4, 3, 3 of radius nan"},
-    {[](auto& d) { d.radius_mm = kInf; }, "4, 3, 3 of radius inf"},
 };
 
 constexpr BadFile<RawDisplay> kValidDisplays[] = {

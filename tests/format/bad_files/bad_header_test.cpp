@@ -19,55 +19,22 @@ struct Flip {
   const char* message = "";
 };
 
-constexpr Flip kMagicBytes[] = {
-    {"byte 0", 0, "99 53 50 4c 41 54 0d 0a"}, {"byte 1", 1, "89 43 50 4c 41 54 0d 0a"},
-    {"byte 2", 2, "89 53 40 4c 41 54 0d 0a"}, {"byte 3", 3, "89 53 50 5c 41 54 0d 0a"},
-    {"byte 4", 4, "89 53 50 4c 51 54 0d 0a"}, {"byte 5", 5, "89 53 50 4c 41 44 0d 0a"},
-    {"byte 6", 6, "89 53 50 4c 41 54 1d 0a"}, {"byte 7", 7, "89 53 50 4c 41 54 0d 1a"},
-};
+constexpr Flip kMagicBytes[] = {{"byte 0", 0, "99 53 50 4c 41 54 0d 0a"},
+                                {"byte 7", 7, "89 53 50 4c 41 54 0d 1a"}};
 
-constexpr Flip kHeaderBytes[] = {
-    {"major version", 8},       {"minor version", 10},   {"required features", 12}, {"optional features", 16},
-    {"reserved", 20},           {"file bytes", 24},      {"directory offset", 32},  {"directory bytes", 40},
-    {"directory checksum", 48}, {"header checksum", 56},
-};
+constexpr Flip kHeaderBytes[] = {{"major version", 8}, {"directory checksum", 48}, {"header checksum", 56}};
 
 constexpr Flip kDirectoryBytes[] = {{"the first byte", 64}, {"a byte", 1000}};
 
 constexpr BadFile<Bytes> kForeignFiles[] = {
     {"one other byte", [](Bytes& f) { f = bytes_of("\n"); }, "0a"},
     {"plain text", [](Bytes& f) { f = bytes_of("name,label\ncore,7\n"); }, "6e 61 6d 65 2c 6c 61 62"},
-    {"a page of a web server", [](Bytes& f) { f = bytes_of("<!DOCTYPE html><title>404</title>"); },
-     "3c 21 44 4f 43 54 59 50"},
-    {"a gzip file", [](Bytes& f) { f = bytes_of("\x1f\x8b\x08\x04 and so on"); }, "1f 8b 08 04 20 61 6e 64"},
-    {"a PNG file", [](Bytes& f) { f = bytes_of("\x89PNG\r\n\x1a\n and so on"); }, "89 50 4e 47 0d 0a 1a 0a"},
-    {"zeros", [](Bytes& f) { f.assign(f.size(), std::byte{0}); }, "00 00 00 00 00 00 00 00"},
-    {"an atlas behind a byte order mark",
-     [](Bytes& f) {
-       const Bytes mark = bytes_of("\xef\xbb\xbf");
-       f.insert(f.begin(), mark.begin(), mark.end());
-     },
-     "ef bb bf 89 53 50 4c 41"},
-    {"line ends made those of Unix", [](Bytes& f) { f.erase(f.begin() + 6); }, "89 53 50 4c 41 54 0a 01"},
-    {"bytes made seven bits",
-     [](Bytes& f) {
-       for (std::byte& b : f) b &= std::byte{0x7f};
-     },
-     "09 53 50 4c 41 54 0d 0a"},
 };
 
 constexpr BadFile<Bytes> kOtherLengths[] = {
     {"nothing", [](Bytes& f) { f.clear(); }, "not an atlas (its size is 0 bytes)"},
-    {"one byte of the magic", [](Bytes& f) { f.resize(1); },
-     "truncated: the header has 64 bytes, the file has 1"},
-    {"the magic alone", [](Bytes& f) { f.resize(8); }, "truncated: the header has 64 bytes, the file has 8"},
     {"all of the header but a byte", [](Bytes& f) { f.resize(63); },
      "truncated: the header has 64 bytes, the file has 63"},
-    {"the header alone", [](Bytes& f) { f.resize(64); }, "truncated: header says {0} bytes, file has 64"},
-    {"half of the directory", [](Bytes& f) { f.resize(500); },
-     "truncated: header says {0} bytes, file has 500"},
-    {"all but the last byte", [](Bytes& f) { f.pop_back(); },
-     "truncated: header says {0} bytes, file has {1}"},
     {"one byte more", [](Bytes& f) { f.push_back(std::byte{0}); },
      "1 trailing bytes: header says {0} bytes, file has {1}"},
     {"twice the file",
@@ -83,22 +50,14 @@ using BadHeader = BadFile<FileHeader>;
 constexpr BadPart<FileHeader> kVersions[] = {
     {[](auto& h) { h.major = 0; }, "format 0, this program reads format 1"},
     {[](auto& h) { h.major = 2; }, "format 2, this program reads format 1"},
-    {[](auto& h) { h.major = 65535; }, "format 65535, this program reads format 1"},
     {[](auto& h) { h.required_features = 1; },
      "format features 0x1 that this program (format 1.0) does not know"},
-    {[](auto& h) { h.required_features = 0x80000000; },
-     "format features 0x80000000 that this program (format 1.0) does not know"},
-    {[](auto& h) { h.required_features = 0xffffffff; },
-     "format features 0xffffffff that this program (format 1.0) does not know"},
     {[](auto& h) { h.major = 3, h.required_features = 4; }, "format 3, this program reads format 1"},
 };
 
 constexpr BadPart<FileHeader> kSizes[] = {
-    {[](auto& h) { h.file_bytes = 0; }, "{0} trailing bytes: header says 0 bytes, file has {1}"},
     {[](auto& h) { --h.file_bytes; }, "1 trailing bytes: header says {2} bytes, file has {1}"},
     {[](auto& h) { ++h.file_bytes; }, "truncated: header says {3} bytes, file has {1}"},
-    {[](auto& h) { h.file_bytes = ~std::uint64_t{0}; },
-     "truncated: header says 18446744073709551615 bytes, file has {1}"},
     {[](auto& h) { h.directory_bytes = h.file_bytes; },
      "invalid: directory of {0} bytes in a file of {1} (limit 1073741824)"},
     {[](auto& h) { h.directory_bytes = (1u << 30) + 1; },
@@ -109,8 +68,6 @@ constexpr BadPart<FileHeader> kSizes[] = {
 
 constexpr BadPart<FileHeader> kOffsets[] = {
     {[](auto& h) { h.directory_offset = 0; }, "0"},
-    {[](auto& h) { h.directory_offset = 56; }, "56"},
-    {[](auto& h) { h.directory_offset = 72; }, "72"},
     {[](auto& h) { h.directory_offset = ~std::uint64_t{0} - 7; }, "18446744073709551608"},
 };
 

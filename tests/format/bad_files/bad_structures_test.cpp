@@ -1,7 +1,6 @@
 // Invalid files: structures, their hierarchy, and strings.
 #include <string_view>
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "tests/format/bad_files/bad_files.h"
@@ -42,9 +41,7 @@ constexpr auto set_text = [](RawAtlas& a, const BadText& row) {
 };
 
 constexpr BadText kCharacters[] = {
-    {kIdOfCore, "co re", "co re"},
     {kIdOfCore, "../core", "../core"},
-    {kIdOfCore, "Größe", "Größe"},
     {kIdOfCore, "co\0re"sv, "co?re"},
 };
 
@@ -67,15 +64,8 @@ constexpr BadText kTexts[] = {
     {kRole, "\xfe", "a source's role is not UTF-8 (byte 0)"},
     {kHash, "\xf0\x9f\xa7", "a source's hash is not UTF-8 (byte 0)"},
     {kTitle, "a\0b"sv, "provenance has a control character (byte 1: U+0000)"},
-    {kCitation, "ring\a", "provenance has a control character (byte 4: U+0007)"},
-    {kLicence, "MIT\r", "provenance has a control character (byte 3: U+000D)"},
     {kTool, "\x1b]0;owned\a", "provenance has a control character (byte 0: U+001B)"},
     {kNameOfCore, "Core\x7f", "name of structure 1 has a control character (byte 4: U+007F)"},
-    {kSceneName, "First\b", "text of scene 0 has a control character (byte 5: U+0008)"},
-    {kCaption, "a\fb", "text of scene 0 has a control character (byte 1: U+000C)"},
-    {kSelection, "\x1b[2J", "text of scene 0 has a control character (byte 0: U+001B)"},
-    {kRole, "\x01", "a source's role has a control character (byte 0: U+0001)"},
-    {kHash, "\x1f", "a source's hash has a control character (byte 0: U+001F)"},
     {kNameOfCore, "a\u009b2J", "name of structure 1 has a control character (byte 1: U+009B)"},
     {kNameOfCore, "a\u202eb", "name of structure 1 has a bidirectional control character (byte 1: U+202E)"},
     {kCaption, "a\u2066b", "text of scene 0 has a bidirectional control character (byte 1: U+2066)"},
@@ -93,15 +83,8 @@ using BadDirectory = BadFile<RawDirectory>;
 
 constexpr BadPart<RawDirectory> kParents[] = {
     {[](auto& d) { d.parents[0] = good::kCore; }, "structures form a cycle: core in core"},
-    {[](auto& d) { d.parents[0] = good::kRim; }, "structures form a cycle: core in rim in core"},
-    {[](auto& d) {
-       d.parents = {good::kRim, good::kKnob, good::kAll, good::kCore};
-     },
-     "structures form a cycle: core in rim in knob in core"},
     {[](auto& d) { d.parents[2] = good::kAll; }, "structure \"rim\" has the parent \"all\" twice"},
     {[](auto& d) { d.parents[3] = 5; }, "structure \"knob\" has parent number 5 of 5 structures"},
-    {[](auto& d) { d.parents[3] = 0xffffffff; },
-     "structure \"knob\" has parent number 4294967295 of 5 structures"},
     {[](auto& d) {
        const RawStructure last = d.structures.back();
        d.structures.resize((1 << 20) + 1, last);
@@ -112,10 +95,8 @@ constexpr BadPart<RawDirectory> kParents[] = {
 
 constexpr BadDirectory kEndsOfParents[] = {
     {"one parent too many", [](auto& d) { d.parents.push_back(0); }},
-    {"one parent too few", [](auto& d) { d.parents.pop_back(); }},
     {"that fall", [](auto& d) { d.structures[2].parents_end = 0; }},
     {"beyond the parents", [](auto& d) { d.structures[4].parents_end = 5; }},
-    {"at the largest number", [](auto& d) { d.structures[1].parents_end = 0xffffffff; }},
 };
 
 constexpr BadDirectory kValidStructures[] = {
@@ -125,27 +106,19 @@ constexpr BadDirectory kValidStructures[] = {
 
 constexpr BadPart<RawDirectory> kStringCounts[] = {
     {[](auto& d) { d.structures.pop_back(); }, "19 strings, expected 17"},
-    {[](auto& d) { d.structures.push_back(d.structures.back()); }, "19 strings, expected 21"},
-    {[](auto& d) { d.structures.clear(); }, "19 strings, expected 9"},
     {[](auto& d) { d.text_ends.pop_back(); }, "18 strings, expected 19"},
-    {[](auto& d) { d.text_ends.push_back(d.text_ends.back()); }, "20 strings, expected 19"},
-    {[](auto& d) { d.text_ends.clear(); }, "0 strings, expected 19"},
     {[](auto& d) { ++d.sources; }, "19 strings, expected 21"},
-    {[](auto& d) { --d.sources; }, "19 strings, expected 17"},
     {[](auto& d) { d.sources = 0xffffffff; }, "19 strings, expected 8589934607"},
     {[](auto& d) {
        d.scenes.push_back(RawScene{0, 0, 1});
      },
      "19 strings, expected 22"},
-    {[](auto& d) { d.scenes.clear(); }, "19 strings, expected 16"},
 };
 
 constexpr BadDirectory kEndsOfText[] = {
     {"that fall", [](auto& d) { d.text_ends[3] = d.text_ends[2] - 1; }},
     {"beyond the text", [](auto& d) { ++d.text_ends.back(); }},
     {"ahead of text", [](auto& d) { d.text.push_back('x'); }},
-    {"at the largest number", [](auto& d) { d.text_ends[0] = 0xffffffff; }},
-    {"of no text", [](auto& d) { d.text.clear(); }},
 };
 
 TEST(BadFiles, WithABadId) {
@@ -171,22 +144,6 @@ TEST(BadFiles, WithABadParent) {
   expect_faults(kEndsOfParents, "F: invalid: inconsistent offsets of directory table of parents",
                 in_directory);
   expect_faults(kValidStructures, "", in_directory);
-}
-
-TEST(BadFiles, WithAChainOfParentsThatIsTooDeep) {
-  RawAtlas atlas = raw_atlas(good_file());
-  RawDirectory& d = atlas.directory;
-  constexpr std::uint32_t kChain = 257;
-  for (std::uint32_t s = 0; s < kChain; ++s) {
-    if (s > 0) d.parents.push_back(5 + s - 1);
-    d.structures.push_back({0, static_cast<std::uint32_t>(d.parents.size()), {}, 0});
-  }
-  for (std::uint32_t s = 0; s < kChain; ++s) {  // an id and no name for each, ahead of the text of the scene
-    const std::size_t at = kSceneName + 2 * std::size_t{s};
-    d.text_ends.insert(d.text_ends.begin() + static_cast<std::ptrdiff_t>(at), 2, d.text_ends[at - 1]);
-    atlas.set_text(at, fmt::format("d{}", s));
-  }
-  EXPECT_EQ(fault_of_file(file_of(atlas)), "F: invalid: structure \"d256\" lies deeper than 256 levels");
 }
 
 TEST(BadFiles, WithBadText) {

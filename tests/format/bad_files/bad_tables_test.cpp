@@ -38,35 +38,19 @@ constexpr BadSurface kSurfaceRows[] = {
     {kAll, [](auto& s) { s.triangles = 1; }, "'all': no vertices, 1 triangles, 0 bytes"},
     {kAll, [](auto& s) { s.bytes = 8; }, "'all': no vertices, 0 triangles, 8 bytes"},
     {kRim, [](auto& s) { s.position_scale = 0; }, "'rim': position scale 0"},
-    {kAll, [](auto& s) { s.position_scale = 0; }, "'all': position scale 0"},
     {kRim, [](auto& s) { s.position_scale = 0xffffffff; }, "'rim': position scale 4294967295"},
     {kCore, [](auto& s) { s.position_scale = 3; }, "'core': fitted, with position scale 3 and 104 triangles"},
-    {kCore, [](auto& s) { s.position_scale = 1; }, "'core': fitted, with position scale 1 and 104 triangles"},
-    {kCore, [](auto& s) { s.position_scale = 2; }, "'core': fitted, with position scale 2 and 104 triangles"},
     {kCore, [](auto& s) { s.position_scale = 257; },
      "'core': fitted, with position scale 257 and 104 triangles"},
     {kCore, [](auto& s) { s.triangles = 0; }, "'core': fitted, with position scale 256 and 0 triangles"},
     {kCore, [](auto& s) { ++s.vertices; },
      "'core': 55 vertices and 104 triangles, its voxels give 54 and 104"},
-    {kKnob, [](auto& s) { --s.triangles; },
-     "'knob': 54 vertices and 103 triangles, its voxels give 54 and 104"},
     {kKnob, [](auto& s) { s.vertices = s.triangles = 0xffffffff; },
      "'knob': 4294967295 vertices and 4294967295 triangles for 27 voxels"},
-    {kAll,
-     [](auto& s) {
-       s = {3, 1, 4, 0};
-     },
-     "'all': 3 vertices and 1 triangles for 0 voxels"},
     {kKnob, [](auto& s) { s.vertices = 6 * 27 + 1; }, "'knob': 163 vertices and 104 triangles for 27 voxels"},
-    {kKnob, [](auto& s) { s.triangles = 4 * 54; }, "'knob': 54 vertices and 216 triangles for 27 voxels"},
     {kRim, [](auto& s) { s.triangles = 1000; }, "'rim': 86 bytes for 4 vertices and 1000 triangles"},
-    {kRim, [](auto& s) { s.vertices = 100000; }, "'rim': 86 bytes for 100000 vertices and 2 triangles"},
-    {kRim, [](auto& s) { s.vertices = s.triangles = s.bytes = 0xffffffff; },
-     "'rim': 4294967295 bytes for 4294967295 vertices and 4294967295 triangles"},
-    {kRim, [](auto& s) { s.bytes = 100000; }, "'rim': 100000 bytes for 4 vertices and 2 triangles"},
     {kRim, [](auto& s) { --s.vertices; }, "'rim': triangle 1 has vertex 3 of 3"},
     {kRim, [](auto& s) { ++s.triangles; }, "'rim': triangles cannot be decoded"},
-    {kRim, [](auto& s) { --s.triangles; }, "'rim': triangles cannot be decoded"},
     {kRim, [](auto& s) { s.position_scale = 8192; }, "'rim': vertices cannot be decoded"},
 };
 
@@ -83,12 +67,8 @@ constexpr BadSurface kValidSurfaces[] = {
 
 constexpr BadPart<RawScene> kScenes[] = {
     {[](auto& s) { s.azimuth_deg = kNan; }, "nan, elevation 20, zoom 1.5"},
-    {[](auto& s) { s.azimuth_deg = kInf; }, "inf, elevation 20, zoom 1.5"},
-    {[](auto& s) { s.elevation_deg = kNan; }, "30, elevation nan, zoom 1.5"},
     {[](auto& s) { s.elevation_deg = -kInf; }, "30, elevation -inf, zoom 1.5"},
     {[](auto& s) { s.zoom = 0; }, "30, elevation 20, zoom 0"},
-    {[](auto& s) { s.zoom = -1; }, "30, elevation 20, zoom -1"},
-    {[](auto& s) { s.zoom = kNan; }, "30, elevation 20, zoom nan"},
     {[](auto& s) { s.zoom = kInf; }, "30, elevation 20, zoom inf"},
 };
 
@@ -102,17 +82,14 @@ struct BadRow {
 
 constexpr BadRow<RawSection> kSections[] = {
     {kRunsX, [](auto& s) { s.kind = 77; }, "runs of class 1 along axis 0 take 4 bytes for 0 voxels"},
-    {kRunsY, [](auto& s) { s.kind = 77; }, "runs of class 1 along axis 1 take 4 bytes for 0 voxels"},
     {kRunsZ, [](auto& s) { s.kind = 77; }, "runs of class 1 along axis 2 take 4 bytes for 0 voxels"},
     {kValues, [](auto& s) { s.kind = 77; }, "section values is missing"},
     {kNormals, [](auto& s) { s.kind = 77; }, "section normals is missing"},
     {kSurfaces, [](auto& s) { s.kind = 0; }, "section surfaces is missing"},
-    {kRunsY, [](auto& s) { s.kind = 1; }, "runs of class 1 along axis 1 take 4 bytes for 0 voxels"},
     {kValues, [](auto& s) { s.kind = 3; }, "section runs_z occurs twice"},
     {kRunsX, [](auto& s) { ++s.chunks; }, "section runs_x has 2 chunks, its streams of 93 bytes need 1"},
     {kValues, [](auto& s) { --s.chunks; }, "section values has 1 chunks, its streams of 680 bytes need more"},
     {kSurfaces, [](auto& s) { ++s.chunks; }, "section surfaces has 2 chunks, 1 are left"},
-    {kSurfaces, [](auto& s) { s.chunks = 0xffffffff; }, "section surfaces has 4294967295 chunks, 1 are left"},
     {kRunsZ, [](auto& s) { s.shared_bytes = 0; },
      "section runs_z has 1 chunks, its streams of 120 bytes need more"},
 };
@@ -122,13 +99,9 @@ constexpr BadRow<RawSection> kCuts[] = {
     {kRunsY, [](auto& s) { s.chunk_bytes = 4088; }, "runs_y is cut every 4088 bytes, shared up to 512"},
     {kRunsZ, [](auto& s) { s.chunk_bytes = (1 << 24) + 8; },
      "runs_z is cut every 16777224 bytes, shared up to 512"},
-    {kValues, [](auto& s) { s.chunk_bytes = 0xfffffff8; },
-     "values is cut every 4294967288 bytes, shared up to 512"},
     {kNormals, [](auto& s) { s.chunk_bytes = 4100; }, "normals is cut every 4100 bytes, shared up to 512"},
     {kSurfaces, [](auto& s) { s.shared_bytes = 262145; },
      "surfaces is cut every 262144 bytes, shared up to 262145"},
-    {kNormals, [](auto& s) { s.shared_bytes = 0xffffffff; },
-     "normals is cut every 262144 bytes, shared up to 4294967295"},
 };
 
 constexpr BadFile<RawAtlas> kSectionTables[] = {
@@ -158,9 +131,6 @@ constexpr BadFile<RawAtlas> kSectionTables[] = {
      "section section 77 occurs twice"},
     {"no sections", [](auto& a) { a.directory.sections.clear(); },
      "runs of class 1 along axis 0 take 4 bytes for 0 voxels"},
-    {"no sections and no chunks",
-     [](auto& a) { a.directory.sections.clear(), a.directory.chunks.clear(), a.chunks.clear(); },
-     "runs of class 1 along axis 0 take 4 bytes for 0 voxels"},
     {"a chunk of no section",
      [](auto& a) {
        a.directory.chunks.push_back(a.directory.chunks.back());
@@ -172,10 +142,7 @@ constexpr BadFile<RawAtlas> kSectionTables[] = {
 constexpr BadRow<RawChunk> kInvalidChunks[] = {
     {kRunsX, [](auto& c) { c.stored_bytes = 0; }, "chunk 0 of section runs_x stores 93 bytes as 0"},
     {kRunsY, [](auto& c) { c.stored_bytes = 1000; }, "chunk 0 of section runs_y stores 120 bytes as 1000"},
-    {kValues, [](auto& c) { c.stored_bytes = 0xffffffff; },
-     "chunk 0 of section values stores 487 bytes as 4294967295"},
     {kNormals, [](auto& c) { --c.stored_bytes; }, "chunks end at {2}, the file has {1} bytes"},
-    {kSurfaces, [](auto& c) { --c.stored_bytes; }, "chunks end at {2}, the file has {1} bytes"},
 };
 
 constexpr BadRow<RawChunk> kDamagedChunks[] = {
@@ -186,10 +153,7 @@ constexpr BadRow<RawChunk> kDamagedChunks[] = {
     {kNormals, [](auto& c) { ++c.checksum; }, "checksum of normals of classes 2 to 4"},
     {kSurfaces, [](auto& c) { ++c.checksum; }, "checksum of surfaces of structures 'rim' to 'needle'"},
     {kRunsX, [](auto& c) { c.codec = 2; }, "unknown codec 2 of runs_x of classes 1 to 7"},
-    {kValues, [](auto& c) { c.codec = 255; }, "unknown codec 255 of values of classes 0 to 4"},
     {kRunsZ, [](auto& c) { c.filter = 1; }, "unknown filter 1 of runs_z of classes 1 to 7"},
-    {kSurfaces, [](auto& c) { c.filter = 255; },
-     "unknown filter 255 of surfaces of structures 'rim' to 'needle'"},
     {kNormals, [](auto& c) { c.codec ^= 1; }, "not a Zstandard frame of normals of classes 2 to 4"},
 };
 
@@ -206,8 +170,6 @@ constexpr BadFile<RawAtlas> kChunkTables[] = {
        a.chunk(kSurfaces).codec = 0;
      },
      "damaged: 7 bytes, expected 180 of surfaces of structures 'rim' to 'needle'"},
-    {"two exchanged", [](auto& a) { std::swap(a.chunks[0], a.chunks[1]); },
-     "damaged: checksum of runs_x of classes 1 to 7"},
     {"two exchanged with their rows",
      [](auto& a) {
        std::swap(a.chunks[0], a.chunks[1]);
@@ -216,7 +178,6 @@ constexpr BadFile<RawAtlas> kChunkTables[] = {
      "damaged: wrong frame length (expected 93 bytes) of runs_x of classes 1 to 7"},
     {"one too few", [](auto& a) { a.chunks.pop_back(); },
      "invalid: chunks end at {0}, the file has {1} bytes"},
-    {"none", [](auto& a) { a.chunks.clear(); }, "invalid: chunks end at {0}, the file has {1} bytes"},
 };
 
 constexpr BadRow<RawChunk> kValidChunks[] = {
@@ -247,19 +208,12 @@ constexpr BadDirectory kTerms[] = {
        add_terms(d), d.terms_end = {1, 0, 1, 1, 1};
      }},
     {"more terms than strings", [](auto& d) { add_terms(d), d.terms_end.back() = 2; }},
-    {"fewer terms than strings",
-     [](auto& d) {
-       add_terms(d), d.terms_end = {0, 0, 0, 0, 0};
-     }},
     {"an odd number of strings",
      [](auto& d) {
        add_terms(d), d.term_text_ends = {1, 4, 5};
      }},
     {"strings beyond the text", [](auto& d) { add_terms(d), d.term_text_ends.back() = 6; }},
     {"text beyond the strings", [](auto& d) { add_terms(d), d.term_text.push_back('x'); }},
-    {"no ends", [](auto& d) { add_terms(d), d.terms_end.clear(); }},
-    {"no ends of strings", [](auto& d) { add_terms(d), d.term_text_ends.clear(); }},
-    {"no text", [](auto& d) { add_terms(d), d.term_text.clear(); }},
 };
 
 constexpr BadDirectory kTermTexts[] = {
@@ -288,15 +242,12 @@ void add_scene_text(RawDirectory& d) {
 
 constexpr BadDirectory kSceneOffsets[] = {
     {"one end too few", [](auto& d) { add_scene_text(d), d.scene_text_ends.pop_back(); }},
-    {"one end too many", [](auto& d) { add_scene_text(d), d.scene_text_ends.push_back(9); }},
     {"falling ends",
      [](auto& d) {
        add_scene_text(d), d.scene_text_ends = {9, 3, 9};
      }},
     {"a string beyond the text", [](auto& d) { add_scene_text(d), d.scene_text_ends.back() = 10; }},
     {"text beyond the strings", [](auto& d) { add_scene_text(d), d.scene_text.push_back('x'); }},
-    {"no ends", [](auto& d) { add_scene_text(d), d.scene_text_ends.clear(); }},
-    {"no text", [](auto& d) { add_scene_text(d), d.scene_text.clear(); }},
 };
 
 constexpr BadDirectory kSceneTexts[] = {

@@ -1,7 +1,5 @@
 #include "format/codec/value_codec.h"
 
-#include <array>
-#include <cmath>
 #include <cstring>
 #include <numeric>
 
@@ -14,6 +12,7 @@
 #include "tests/format/atlas_surgery.h"
 #include "tests/format/random_content.h"
 #include "tests/format/random_volume.h"
+#include "tests/format/second_reader/plain_codecs.h"
 
 namespace splatlas {
 namespace {
@@ -52,21 +51,6 @@ std::uint32_t count_at(const std::vector<std::byte>& code, std::size_t bucket) {
   return count;
 }
 
-TEST(ValueCodec, ARampIsPredictedExactly) {
-  const Block block({8, 7, 6});
-  std::vector<std::uint8_t> values;
-  for (int n = 0; n < 8 * 7 * 6; ++n)
-    values.push_back(static_cast<std::uint8_t>(20 + n % 8 + n / 8 % 7 * 2 + n / 56));
-  const auto code = encode_values(block.voxels, VoxelType::kUInt8, bytes_of_values(values));
-  ASSERT_EQ(code.size(), value_code_bytes(VoxelType::kUInt8, block.voxels.box, values.size()));
-  ASSERT_EQ(code.size(), kHeader + values.size());
-  // The first voxels lack neighbours. With all neighbours present, the weights predict a ramp.
-  const auto wrong =
-      std::count_if(code.begin() + kHeader, code.end(), [](std::byte b) { return b != std::byte{0}; });
-  EXPECT_LE(wrong, 8 * 7 * 6 - 6 * 4 * 4);
-  EXPECT_EQ(*decode_values(block.voxels, VoxelType::kUInt8, code), bytes_of_values(values));
-}
-
 TEST(ValueCodec, TheFirstVoxelsByHand) {
   // 10 (residual 10, code 20), then 12 (2, code 4), then 11 (-1, code 1). Without neighbours above or behind,
   // errors of 8 * 4 use bucket 11. Their mean of 13 / 3 is shifted by one.
@@ -87,92 +71,6 @@ TEST(ValueCodec, TheFirstVoxelsByHand) {
   EXPECT_EQ(signed_code, expected);
 }
 
-TEST(ValueCodec, TheSecondRowByHand) {
-  // 100 104 / 102 107. The first voxel of the second row has 100 above and 104 above to the right; 100 also
-  // stands in for the voxel before it: 100 + (36 * 0 + 6 * 4) / 64 is 100, residual 2 (code 4). Its last
-  // voxel has 104 above, 100 above to the left and 102 before: 102 + (36 * 2 + 15 * 2) / 64 is 104, residual
-  // 3 (code 6).
-  const Block block({2, 2, 1});
-  const auto code =
-      encode_values(block.voxels, VoxelType::kUInt8, bytes_of_values<std::uint8_t>({100, 104, 102, 107}));
-  // Errors of the first row, shifted by three bits: 12 and 0. Its buckets use 32. For the second row, 12 + 0
-  // and 6 * 4 make 36, 0 + 12 and 6 * 4 too: all four use bucket 11.
-  EXPECT_EQ(count_at(code, 11), 4u);
-  EXPECT_EQ(code[kHeader - 2], std::byte{3});
-  const std::vector<std::byte> residuals(code.begin() + kHeader, code.end());
-  EXPECT_EQ(residuals, bytes_of_values<std::uint8_t>({200, 8, 4, 6}));
-}
-
-/// Direct implementation of docs/atlas_format.md, Values, for one byte per voxel.
-class PlainCoder {
- public:
-  PlainCoder(const Index3& size, const std::vector<std::byte>& values, std::span<const std::byte> model)
-      : size_(size), values_(values), model_(model.begin(), model.end()) {
-    for_each_voxel(size, [&](const Index3& at) { code_voxel(at[0], at[1], at[2]); });
-  }
-
-  [[nodiscard]] std::vector<std::byte> code() const {
-    std::vector<std::byte> code(kHeader);
-    for (std::size_t b = 0; b < buckets_.size(); ++b) {
-      const auto count = static_cast<std::uint32_t>(buckets_[b].size());
-      std::memcpy(&code[4 * b], &count, sizeof count);
-    }
-    std::ranges::copy(model_, code.begin() + kCounts);
-    for (const std::vector<std::byte>& bucket : buckets_)
-      code.insert(code.end(), bucket.begin(), bucket.end());
-    return code;
-  }
-
- private:
-  [[nodiscard]] int value_at(std::int64_t i, std::int64_t j, std::int64_t k) const {
-    if (i < 0 || j < 0 || k < 0 || i >= size_[0] || j >= size_[1] || k >= size_[2]) return -1;
-    return std::to_integer<int>(values_[static_cast<std::size_t>((k * size_[1] + j) * size_[0] + i)]);
-  }
-
-  void code_voxel(std::int64_t i, std::int64_t j, std::int64_t k) {
-    static constexpr int kOffsets[14][3] = {{0, -1, 0},  {0, 0, -1}, {1, -1, 0}, {-1, -1, 0}, {-1, 0, -1},
-                                            {0, -1, -1}, {1, 0, -1}, {0, 1, -1}, {1, -1, -1}, {-1, -1, -1},
-                                            {-1, 1, -1}, {1, 1, -1}, {0, -2, 0}, {0, 0, -2}};
-    const auto at = static_cast<std::size_t>((k * size_[1] + j) * size_[0] + i);
-    int before = at == 0 ? 0 : std::to_integer<int>(values_[at - 1]);
-    int sum = 32, rest = 64, errors = 0;
-    bool is_first = true;
-    for (std::size_t n = 0; n < 14; ++n) {
-      const int* const offset = kOffsets[n];
-      const int value = value_at(i + offset[0], j + offset[1], k + offset[2]);
-      const auto there =
-          at + static_cast<std::size_t>((offset[2] * size_[1] + offset[1]) * size_[0] + offset[0]);
-      if (n < 8) errors += value < 0 ? 4 : errors_[there];
-      if (value < 0) continue;
-      if (is_first && i == 0) before = value;
-      is_first = false;
-      const int weight = static_cast<std::int8_t>(model_[n]);
-      sum += weight * value;
-      rest -= weight;
-    }
-    const int prediction = static_cast<int>(std::floor((sum + rest * before) / 64.0));
-    int difference = (std::to_integer<int>(values_[at]) - prediction) % 256;
-    if (difference < -128) difference += 256;
-    if (difference > 127) difference -= 256;
-    errors_.push_back(std::abs(difference) >> std::to_integer<int>(model_[14]));
-    buckets_[bucket_of(errors)].push_back(
-        static_cast<std::byte>(difference >= 0 ? 2 * difference : -2 * difference - 1));
-  }
-
-  static std::size_t bucket_of(int errors) {
-    if (errors == 0) return 0;
-    const double octave = std::floor(std::log2(errors));
-    const int half = errors >= 1.5 * std::exp2(octave) && errors > 1 ? 1 : 0;
-    return static_cast<std::size_t>(std::min(15, 2 * static_cast<int>(octave) + half + 1));
-  }
-
-  const Index3 size_;
-  const std::vector<std::byte>& values_;
-  const std::vector<std::byte> model_;  // weights, shift, 0
-  std::vector<int> errors_;
-  std::array<std::vector<std::byte>, 16> buckets_;
-};
-
 std::vector<std::byte> random_values(std::mt19937& random, std::size_t voxels) {
   const unsigned range = 1 + random() % 256;
   std::vector<std::byte> values(voxels);
@@ -185,27 +83,32 @@ Index3 random_size(std::mt19937& random) {
           1 + static_cast<std::int64_t>(random() % 6)};
 }
 
+/// The values of a code of a block, by the decoder of the second reader.
+std::vector<std::byte> decoded_plainly(const Block& block, const std::vector<std::byte>& code) {
+  std::vector<std::size_t> voxels(block.voxels.voxels);
+  std::iota(voxels.begin(), voxels.end(), std::size_t{0});
+  return second::decode_predicted(code, voxels, block.size, static_cast<std::uint8_t>(VoxelType::kUInt8));
+}
+
 RC_GTEST_PROP(ValueCodec, CodesAsTheDocumentSays, ()) {
   auto random = *random_source();
   const Block block(random_size(random));
   const std::vector<std::byte> values = random_values(random, block.voxels.voxels);
-  const auto code = encode_values(block.voxels, VoxelType::kUInt8, values);
-  const PlainCoder plain(block.size, values, std::span(code).subspan(kCounts, kHeader - kCounts));
-  RC_ASSERT(plain.code() == code);
+  RC_ASSERT(decoded_plainly(block, encode_values(block.voxels, VoxelType::kUInt8, values)) == values);
 }
 
+/// Sums wrap around at 16 bits, without effect on the bits that predictions use. Errors are shifted away, so
+/// that buckets depend on the places of voxels alone, as for values of 0.
 RC_GTEST_PROP(ValueCodec, DecodesAnyWeights, ()) {
-  // Sums wrap around at 16 bits, without effect on the bits that predictions use.
   auto random = *random_source();
   const Block block(random_size(random));
-  const std::vector<std::byte> values = random_values(random, block.voxels.voxels);
-  std::vector<std::byte> model(kHeader - kCounts);
+  auto code = encode_values(block.voxels, VoxelType::kUInt8, std::vector<std::byte>(block.voxels.voxels));
   const auto kind = random() % 3;
   for (std::size_t n = 0; n < 14; ++n)
-    model[n] = static_cast<std::byte>(kind == 0 ? 0x80 : kind == 1 ? 0x7f : random());
-  model[14] = static_cast<std::byte>(random() % 4);
-  const PlainCoder plain(block.size, values, model);
-  RC_ASSERT(decode_values(block.voxels, VoxelType::kUInt8, plain.code()).value() == values);
+    code[kCounts + n] = static_cast<std::byte>(kind == 0 ? 0x80 : kind == 1 ? 0x7f : random());
+  code[kHeader - 2] = std::byte{15};
+  for (std::size_t n = kHeader; n < code.size(); ++n) code[n] = static_cast<std::byte>(random());
+  RC_ASSERT(decode_values(block.voxels, VoxelType::kUInt8, code).value() == decoded_plainly(block, code));
 }
 
 RC_GTEST_PROP(ValueCodec, DecodesWhatWasEncodedOfEveryType, ()) {

@@ -79,18 +79,6 @@ TEST(ClassTable, RenumberingCarriesEverything) {
   EXPECT_EQ(again.intern({{0, kInterior}}), 2u);
 }
 
-TEST(IndexBox, GrowsByVoxelsAndBoxes) {
-  IndexBox box;
-  EXPECT_TRUE(box.empty());
-  box.include(IndexBox{});
-  EXPECT_TRUE(box.empty());
-  box.include(Index3{5, 6, 7});
-  EXPECT_EQ(box, (IndexBox{{5, 6, 7}, {5, 6, 7}}));
-  box.include(IndexBox{});
-  box.include(Index3{4, 8, 7});
-  EXPECT_EQ(box, (IndexBox{{4, 6, 7}, {5, 8, 7}}));
-}
-
 TEST(ClassStorageOrder, FollowsThePreorderInteriorBeforeBoundary) {
   // Preorder: brain (0), left (2), gyrus (1), right (3).
   const auto graph = StructureGraph::build({{.id = "brain"},

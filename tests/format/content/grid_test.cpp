@@ -201,11 +201,6 @@ RC_GTEST_PROP(AxisStorageOrder, NoOtherOrderRunsCloser, ()) {
   for (const std::size_t diagonal : {0u, 4u, 8u}) RC_ASSERT(turned.direction_lps[diagonal] >= 0);
 }
 
-TEST(AxisStorageOrder, RasIsFlippedTwice) {
-  const Grid ras{.size = {2, 3, 4}, .direction_lps = {-1, 0, 0, 0, -1, 0, 0, 0, 1}};
-  EXPECT_EQ(storage_order(ras), (AxisOrder{{0, 1, 2}, {true, true, false}}));
-}
-
 TEST(AxisStorageOrder, TiesGoToTheFirstPermutation) {
   // i and j lie midway between L and P: both orders are equally near.
   const double h = std::numbers::sqrt2 / 2;

@@ -89,25 +89,6 @@ TEST(RunModel, ConvertsRunsThatLieFarApart) {
   EXPECT_EQ(convert_runs(x, size, Axis::kX, Axis::kY), convert_runs(z, size, Axis::kZ, Axis::kY));
 }
 
-TEST(RunModel, CutsEachAxisAlongItsScanline) {
-  // j points down, i to the right; two slices k.
-  const std::vector<ClassId> volume{1, 1, 2, 1, 0, 2,
-
-                                    1, 1, 1, 0, 2, 2};
-  const Index3 size{3, 2, 2};
-  const RunModel z = encode_runs(volume, size, Axis::kZ, 3);
-  EXPECT_EQ(z.classes[1], (ClassRuns{{0, 0, 2}, {1, 0, 1}, {2, 0, 3}}));
-  EXPECT_EQ(z.classes[2], (ClassRuns{{0, 2, 1}, {1, 2, 1}, {3, 1, 2}}));
-  const RunModel y = encode_runs(volume, size, Axis::kY, 3);
-  EXPECT_EQ(y.classes[1], (ClassRuns{{0, 0, 2}, {1, 0, 3}, {2, 0, 1}}));
-  EXPECT_EQ(y.classes[2], (ClassRuns{{0, 2, 1}, {2, 2, 1}, {3, 1, 2}}));
-  const RunModel x = encode_runs(volume, size, Axis::kX, 3);
-  EXPECT_EQ(x.classes[1], (ClassRuns{{0, 0, 2}, {1, 0, 1}, {2, 0, 1}, {3, 0, 1}, {5, 0, 1}}));
-  EXPECT_EQ(x.classes[2], (ClassRuns{{3, 1, 1}, {4, 0, 2}, {5, 1, 1}}));
-  EXPECT_EQ(z.runs(), 6u);
-  EXPECT_EQ(x.runs(), 8u);
-}
-
 constexpr Index3 kSize{4, 3, 2};
 
 std::uint64_t voxels_of(const ClassRuns& runs) {

@@ -47,15 +47,6 @@ TEST(StructureGraph, ListsChildrenAndRoots) {
   EXPECT_EQ(graph[3].id, "gyrus_l");
 }
 
-TEST(StructureGraph, WalksInPreorder) {
-  const StructureGraph graph = brain();
-  EXPECT_THAT(list(graph.preorder()), ElementsAre(0, 1, 3, 2, 4, 6, 5));
-  EXPECT_THAT(graph.descendants(6), ElementsAre(6, 5, 3, 4));
-  EXPECT_THAT(graph.descendants(0), ElementsAre(0, 1, 3, 2, 4));
-  EXPECT_THAT(graph.descendants(4), ElementsAre(4));
-  EXPECT_THAT(graph.descendants(std::vector<StructureIndex>{3, 6, 4}), ElementsAre(3, 6, 5, 4));
-}
-
 TEST(StructureGraph, ListsEveryWayFromARoot) {
   const StructureGraph graph = brain();
   EXPECT_THAT(graph.paths(0), ElementsAre("Brain"));

@@ -1,19 +1,15 @@
 #include "format/derive/boundary_split.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
 #include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
 #include "tests/format/atlas_surgery.h"
-#include "tests/support/fails_with.h"
 #include "tests/support/fill_classes.h"
 
 namespace splatlas {
 namespace {
-
-using ::testing::HasSubstr;
 
 /// Mostly covered, so that there is an interior.
 std::vector<std::uint8_t> random_mask(const Index3& size) {
@@ -78,22 +74,6 @@ AtlasContent block(const Index3& marked = {-1, -1, -1}) {
   return content;
 }
 
-TEST(SharedRuns, BothClassesComeFromOneList) {
-  const AtlasContent content = block();
-  ASSERT_GT(content.classes.voxels(1), 3u);
-  const Bytes file = *encode_atlas(content);
-  const AtlasParts parts = take_apart(file);
-  const auto atlas = *Atlas::open_bytes(file);
-  ASSERT_TRUE(atlas->verify().has_value());
-  for (const Axis axis : kAxes) {
-    EXPECT_GT(parts.directory.run_bytes[1][static_cast<std::size_t>(axis)], 0u);
-    EXPECT_EQ(parts.directory.run_bytes[2][static_cast<std::size_t>(axis)], 0u);
-    const RunModel model = encode_runs(content.class_volume, {8, 7, 6}, axis, 3);
-    for (const ClassId c : {1u, 2u}) EXPECT_EQ(*atlas->read_runs(c, axis), model.classes[c]);
-  }
-  EXPECT_EQ(atlas->read_all()->class_volume, content.class_volume);
-}
-
 TEST(SharedRuns, ABoundaryThatIsNoneHasAListOfItsOwn) {
   const AtlasContent content = block({3, 3, 3});
   ASSERT_EQ(content.classes.voxels(1), block().classes.voxels(1) - 1);
@@ -102,28 +82,6 @@ TEST(SharedRuns, ABoundaryThatIsNoneHasAListOfItsOwn) {
   const auto atlas = *Atlas::open_bytes(file);
   EXPECT_TRUE(atlas->verify().has_value());
   EXPECT_EQ(atlas->read_all()->class_volume, content.class_volume);
-}
-
-TEST(SharedRuns, VoxelCountsThatTheListDoesNotGiveAreRefused) {
-  AtlasParts parts = take_apart(*encode_atlas(block()));
-  ClassTable& classes = parts.directory.classes;
-  const std::uint64_t interior = classes.voxels(1), boundary = classes.voxels(2);
-  ClassTable changed;
-  for (const ClassId c : {1u, 2u}) changed.intern({classes.members(c).begin(), classes.members(c).end()});
-  changed.count(0, classes.voxels(0), classes.box(0));
-  changed.count(1, interior - 1, classes.box(1));
-  changed.count(2, boundary + 1, classes.box(2));
-  classes = changed;
-  parts.directory.normals_fitted.assign(3, true);
-  parts.directory.normals_fitted[0] = parts.directory.normals_fitted[1] = false;
-  // Marks normals as derived, as the lengths of their chunks would change.
-  replace_streams(parts, SectionKind::kNormals, {});
-  const auto atlas = Atlas::open_bytes(put_together(parts));
-  ASSERT_TRUE(atlas.has_value()) << atlas.error().message;
-  for (const ClassId c : {1u, 2u}) {
-    EXPECT_THAT((*atlas)->read_runs(c, Axis::kZ),
-                FailsWith(ErrorCode::kInvalidAtlas, HasSubstr("runs_z of class 1")));
-  }
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ namespace splatlas {
 namespace {
 
 /// Noise, long runs or a checkerboard in up to 6^3 voxels, or in a long row: words of 64 voxels.
-Mask random_mask(std::mt19937& random) {
+Mask patterned_mask(std::mt19937& random) {
   Mask mask;
   for (std::int64_t& n : mask.size) n = 1 + static_cast<std::int64_t>(below(6, random));
   if (below(3, random) == 0) mask.size[0] = 60 + static_cast<std::int64_t>(below(80, random));
@@ -38,7 +38,7 @@ TEST(SurfaceNet, RefusesMoreVerticesThanIds) {
 
 RC_GTEST_PROP(SurfaceNet, IsClosedAndHasOneVertexOnEveryCrossedEdge, ()) {
   auto random = *random_source();
-  const Mask mask = random_mask(random);
+  const Mask mask = patterned_mask(random);
   const SurfaceNet net = surface_net(crop_of(mask));
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
   std::uint32_t highest = 0;
@@ -83,7 +83,7 @@ RC_GTEST_PROP(SurfaceNet, IsClosedAndHasOneVertexOnEveryCrossedEdge, ()) {
 /// this one's voxels.
 RC_GTEST_PROP(SurfaceNet, LinksAreMutual, ()) {
   auto random = *random_source();
-  const SurfaceNet net = surface_net(crop_of(random_mask(random)));
+  const SurfaceNet net = surface_net(crop_of(patterned_mask(random)));
   for (std::uint32_t v = 0; v < net.vertices.size(); ++v) {
     for (std::size_t slot = 0; slot < 4; ++slot) {
       const std::uint32_t other = net.neighbours[v][slot];
@@ -100,7 +100,7 @@ RC_GTEST_PROP(SurfaceNet, LinksAreMutual, ()) {
 /// Triangles in the order of the slow definition: cells by leading voxel, then by cell.
 RC_GTEST_PROP(SurfaceNet, TrianglesAreSortedByTheLeadingVoxelOfTheirCell, ()) {
   auto random = *random_source();
-  const Mask mask = random_mask(random);
+  const Mask mask = patterned_mask(random);
   StructureCrop crop = crop_of(mask);
   if (below(2, random) == 0) {  // wrong parts
     for (std::uint8_t& part : crop.parts) {

@@ -1,12 +1,10 @@
 #include "format/io/output_file.h"
 
-#include <csignal>
 #include <fstream>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -178,22 +176,6 @@ TEST_F(OutputFileTest, RefusesWhatIsNotAFile) {
   EXPECT_THAT(write(folder.path() / "none" / "out.atlas", "x"), HasSubstr("there is no folder"));
   ASSERT_EQ(write(path, "one"), "");
   EXPECT_THAT(write(path / "below", "x"), HasSubstr("there is no folder"));
-  EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
-}
-
-/// A file size limit simulates a full disk: one write is short, the next one fails.
-TEST_F(OutputFileTest, AFullDiskLeavesTheOldFileAndNoTemporary) {
-  ASSERT_EQ(write(path, "old"), "");
-  rlimit before{};
-  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
-  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
-  const rlimit small{5000, before.rlim_max};
-  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
-  const std::string message = write(path, std::string(10'000, 'x'));
-  ::setrlimit(RLIMIT_FSIZE, &before);
-  std::signal(SIGXFSZ, old_handler);
-  EXPECT_THAT(message, HasSubstr("File too large"));
-  EXPECT_EQ(read_bytes(path), "old");
   EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
 }
 

@@ -127,54 +127,6 @@ TEST(Selection, EverythingOfNothingIsNothing) {
   }
 }
 
-TEST(Selection, ANodeStandsForItsDescendants) {
-  EXPECT_EQ(selected("right"), (std::vector<StructureDraw>{kOff, kOff, draw(kVolume, kGreen, 0), kOff,
-                                                           draw(kVolume, kBlue, 0), kOff}));
-  EXPECT_EQ(selected("Lobe:surface"),
-            (std::vector<StructureDraw>{kOff, kOff, kOff, kOff, draw(kSurface, kBlue, 0),
-                                        draw(kSurface, kBlue, 0)}));
-}
-
-TEST(Selection, ModesAddUp) {
-  EXPECT_EQ(selected("A:volume + A:surface")[3], draw(kBoth, kGreen, 1));
-  EXPECT_EQ(selected("A:surface + A")[3], draw(kBoth, kGreen, 1));
-  EXPECT_EQ(selected("A:both + A:surface")[3], draw(kBoth, kGreen, 1));
-  EXPECT_EQ(selected("A:surface + A:surface")[3], draw(kSurface, kGreen, 1));
-}
-
-TEST(Selection, RemovalsTakeAll) {
-  for (const char* text : {"A - A", "A:both - A", "A:both - A:both", "A - Left", "A:volume - A:volume",
-                           "A:both - A:volume - A:surface", "Brain - Left - B - \"Right\" - Brain"}) {
-    EXPECT_EQ(selected(text)[3], kOff) << text;
-  }
-}
-
-TEST(Selection, RemovalsTakeOnlyTheirPart) {
-  EXPECT_EQ(selected("A:both - A:surface")[3], draw(kVolume, kGreen, 0));
-  EXPECT_EQ(selected("A:both - A:volume")[3], draw(kSurface, kGreen, 0));
-  EXPECT_EQ(selected("A:volume - A:surface")[3], draw(kVolume, kGreen, 0));
-  EXPECT_EQ(selected("A:both(opacity=0.5,color=#00f) - A:surface")[3], draw(kVolume, kBlue, 0, 0.5f));
-}
-
-TEST(Selection, LaterAppearancesReplaceAndStayOtherwise) {
-  EXPECT_EQ(selected("Brain(opacity=0.5) + A(opacity=0.25)")[3], draw(kVolume, kGreen, 1, 0.25f));
-  EXPECT_EQ(selected("Brain(opacity=0.5) + A:surface")[3], draw(kBoth, kGreen, 1, 0.5f));
-  EXPECT_EQ(selected("Brain(color=#00f) + A:surface(opacity=0.5)")[3], draw(kBoth, kBlue, 1, 0.5f));
-  EXPECT_EQ(selected("A(color=#00f) + Left(color=#f00)")[3], draw(kVolume, kRed, 1));
-  EXPECT_EQ(selected("Brain(color=#00f)")[0].color, kBlue);
-  EXPECT_EQ(selected("Brain(color=#00f)")[1].color, kBlue);
-}
-
-TEST(Selection, RemovedAppearancesAreForgotten) {
-  EXPECT_EQ(selected("A:both(opacity=0.5,color=#00f) - A + A")[3], draw(kVolume, kGreen, 2));
-}
-
-TEST(Selection, OrderMatters) {
-  EXPECT_EQ(selected("Brain - A")[3], kOff);
-  EXPECT_EQ(selected("Left - A + Brain")[3], draw(kVolume, kGreen, 2));
-  EXPECT_EQ(selected("Left - A + Brain")[1], draw(kVolume, kRed, 2));
-}
-
 TEST(Selection, WildcardsSelectDescendantsToo) {
   EXPECT_EQ(selected("L*"),
             (std::vector<StructureDraw>{kOff, draw(kVolume, kRed, 0), kOff, draw(kVolume, kGreen, 0),
@@ -193,13 +145,6 @@ TEST(Selection, UnknownNamesTellTheirColumn) {
   EXPECT_EQ(syntax.error().code, ErrorCode::kUsage);
 }
 
-TEST(Selection, ModesHaveNames) {
-  EXPECT_STREQ(name_of(DrawMode::kOff), "off");
-  EXPECT_STREQ(name_of(DrawMode::kVolume), "volume");
-  EXPECT_STREQ(name_of(DrawMode::kSurface), "surface");
-  EXPECT_STREQ(name_of(DrawMode::kBoth), "both");
-}
-
 TEST(Selection, StylesAreEqualWhenTheirCurvesAre) {
   const VolumeStyle a = selected("A(curve=1:0.5/2:0)")[3].volume;
   EXPECT_EQ(a, selected("A(curve=1:0.5/2:0)")[3].volume);
@@ -209,12 +154,6 @@ TEST(Selection, StylesAreEqualWhenTheirCurvesAre) {
   EXPECT_NE(selected("A(low=1)")[3].volume, selected("A(high=1)")[3].volume);
   EXPECT_NE(selected("A(profile=thin)")[3].volume, selected("A(profile=hard)")[3].volume);
   EXPECT_EQ(selected("A(profile=soft)")[3].volume, VolumeStyle{});
-}
-
-TEST(Selection, StylesGoWithTheVolumeAndAreForgottenWithTheStructure) {
-  EXPECT_EQ(selected("A:both(low=1) - A:surface")[3].volume.low, 1.0);
-  EXPECT_EQ(selected("A:surface(low=1) + A:both")[3].volume.low, 1.0);
-  EXPECT_EQ(selected("A(low=1) - A + A")[3].volume, VolumeStyle{});
 }
 
 /// The state of one structure, term by term, by the rules in selection.h.

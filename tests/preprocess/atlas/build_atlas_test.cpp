@@ -2,12 +2,10 @@
 
 #include "preprocess/atlas/build_atlas.h"
 
-#include <csignal>
 #include <random>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include "format/atlas_reader.h"
 #include "format/content/decision_tree.h"
@@ -150,36 +148,6 @@ TEST_F(BuildAtlas, OverlappingMasksComeBackAsMasks) {
   EXPECT_THAT(export_atlas(back).error().message, HasSubstr("not an empty folder"));
 }
 
-/// A file size limit simulates a full disk.
-TEST_F(BuildAtlas, AnExportThatEndsEarlyNamesNoFile) {
-  const Grid grid{.size = {20, 20, 20}};
-  const BuildOptions build =
-      options(byte_image(grid, [](auto...) { return true; }), zeros(grid, VoxelType::kFloat64), ".nii.gz");
-  ASSERT_TRUE(build_atlas(build));
-
-  ExportOptions back;
-  back.atlas = build.output;
-  back.labels = file("l2.nii");
-  back.volume = file("v2.nii");
-  back.surfaces = {{"*", file("s2.stl")}};
-  rlimit before{};
-  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
-  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
-  const rlimit small{20'000, before.rlim_max};
-  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
-  const auto files = export_atlas(back);
-  ::setrlimit(RLIMIT_FSIZE, &before);
-  std::signal(SIGXFSZ, old_handler);
-  ASSERT_TRUE(files) << files.error().message;
-  EXPECT_THAT(files->written, testing::IsEmpty());
-  ASSERT_EQ(files->failures.size(), 1u);
-  EXPECT_EQ(files->failures[0].code, ErrorCode::kFailed);
-  EXPECT_THAT(files->failures[0].message, HasSubstr("v2.nii"));
-  EXPECT_FALSE(std::filesystem::exists(back.labels));
-  EXPECT_FALSE(std::filesystem::exists(back.volume));
-  EXPECT_FALSE(std::filesystem::exists(file("s2.stl")));
-}
-
 TEST_F(BuildAtlas, SegmentsTakeWhatNoLabelHoldsAndLeaveLabelsAlone) {
   const Grid grid{.size = {8, 8, 8}};
   const auto in_cube = [](std::int64_t low, auto... at) {
@@ -207,18 +175,6 @@ TEST_F(BuildAtlas, SegmentsTakeWhatNoLabelHoldsAndLeaveLabelsAlone) {
   EXPECT_EQ(voxels(2), 216u - 64u);  // its hole is filled, but belongs to another structure
   export_all("back.nrrd", "");
   EXPECT_EQ(import_image(file("back.nrrd"))->voxels, labels.voxels);
-}
-
-TEST_F(BuildAtlas, ThresholdsAloneMakeAnAtlas) {
-  Image values = zeros({.size = {6, 6, 6}}, VoxelType::kFloat32);
-  for (std::size_t v = 0; v < 216; ++v) values.voxels.as<float>()[v] = v / 36 < 3 ? 10.f : 20.f;
-  BuildOptions build_options = options();
-  build_options.sources.volume = write("volume.nrrd", values);
-  build_options.sources.segments = {*parse_segment("Upper=threshold:otsu")};
-  const AtlasContent content = build(build_options);
-  ASSERT_EQ(content.graph.size(), 1u);
-  EXPECT_EQ(content.classes.voxels(kEmptyClass), 108u);
-  EXPECT_EQ(content.label_type, VoxelType::kNone);
 }
 
 TEST_F(BuildAtlas, ProvenanceHoldsHashesAndWordsOfTheAuthorOnly) {

@@ -1,7 +1,6 @@
 #include "player/render/light/voxel_light.h"
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <random>
 #include <vector>
@@ -161,24 +160,6 @@ TEST(VoxelLight, LeavesNoiseUnlitAndBordersToTheirLabels) {
   });
   EXPECT_LT(lit / inside, 0.02);
   EXPECT_GT(faces, 48);  // of 64
-}
-
-TEST(VoxelLight, IgnoresValuesThatAreNotFinite) {
-  TestVolume volume;
-  volume.grid.size = {12, 12, 12};
-  volume.values = float_values(volume.grid.size, [](const Index3& at) {
-    if ((at[0] + 2 * at[1] + 3 * at[2]) % 11 == 0) return std::numeric_limits<double>::quiet_NaN();
-    if ((at[0] + at[1]) % 7 == 0) return std::numeric_limits<double>::infinity();
-    return 20.0 * static_cast<double>(at[2]);
-  });
-  volume.structures = {{"all", full_mask(volume.grid.size)}};
-  const AtlasContent content = make_content(volume);
-  PreparedSelection prepared(content, selection_of("all:volume(low=0,high=250)", content.graph));
-  const Grid& grid = prepared.atlas->grid();
-  const std::vector<reference::LitVoxel> light = light_along(prepared, Axis::kX);
-  const auto voxel = light[static_cast<std::size_t>(grid.offset(5, 4, 5))];
-  EXPECT_EQ(voxel.lit, 1);
-  EXPECT_LT(degrees_between(voxel.normal, {0, 0, -1}), 0.01);  // an axis is exact
 }
 
 }  // namespace

@@ -225,33 +225,6 @@ TEST(CastRays, TheErrorFallsWithTheSquareOfTheSteps) {
   }
 }
 
-TEST(CastRays, ThreadsDoNotChangeABit) {
-  const StandardScene scene = phantom_scene();
-  for (const Classification classification : {Classification::kBefore, Classification::kAfter}) {
-    for (const bool shade : {false, true}) {
-      RenderOptions options = accurate();
-      options.size = {101, 77};
-      options.classification = classification;
-      options.hybrid_shading = shade;
-      const Picture picture = render_with_threads(scene.content, scene.selection, perspective(), options);
-      EXPECT_GT(picture.at(50, 38)[3], 0.1);
-    }
-  }
-}
-
-/// A narrow field of view from far away is a parallel view.
-TEST(CastRays, AFarEyeSeesInParallel) {
-  const StandardScene scene = blobs_scene();
-  Camera far = perspective(1e-3);
-  const Picture from_far = render_or_throw(scene.content, scene.selection, far, accurate(Quality::kHigh));
-  far.projection = CameraProjection::kParallel;
-  const Picture parallel = render_or_throw(scene.content, scene.selection, far, accurate(Quality::kHigh));
-  ASSERT_EQ(from_far.rgba.size(), parallel.rgba.size());
-  for (std::size_t n = 0; n < parallel.rgba.size(); ++n) {
-    EXPECT_NEAR(from_far.rgba[n], parallel.rgba[n], 1e-3);
-  }
-}
-
 /// The border of structures that differ by colour alone is a blend of colours without a gap.
 TEST(CastRays, ColoursMeetWithoutAGap) {
   TestVolume volume;
@@ -273,13 +246,6 @@ TEST(CastRays, ColoursMeetWithoutAGap) {
   EXPECT_NEAR(two.at(20, 20)[0], two.at(20, 20)[2], 1e-5);
   EXPECT_NEAR(two.at(0, 20)[2], 0, 1e-6);
   EXPECT_NEAR(two.at(40, 20)[0], 0, 1e-6);
-}
-
-TEST(CastRays, NothingSelectedIsAnEmptyPicture) {
-  const AtlasContent content = fog();
-  const Picture picture =
-      render_or_throw(content, Selection{std::vector<StructureDraw>(1)}, perspective(), accurate());
-  for (const float value : picture.rgba) EXPECT_EQ(value, 0);
 }
 
 /// Two voxels far apart: pages around them are counted, not the box between them.

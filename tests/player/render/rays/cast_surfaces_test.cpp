@@ -9,7 +9,6 @@
 
 #include "format/tasks/task_control.h"
 #include "tests/player/prepared_selection.h"
-#include "tests/reference/picture_difference.h"
 #include "tests/scenes/ray_truth.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/random_scene.h"
@@ -20,39 +19,6 @@
 
 namespace splatlas {
 namespace {
-
-/// Without grey values there is no difference between the classifications: rays show the truth of volumes and
-/// surfaces, with every mode and opacity, in any grid.
-TEST(CastSurfaces, AreInOrderWithTheVolume) {
-  int surfaces = 0;
-  for (std::uint32_t number = 0; number < 80; ++number) {
-    RandomScene scene = random_scene(number);
-    scene.content.values = {};
-    scene.options.quality = Quality::kHigh;
-    scene.options.termination_threshold = 0;
-    scene.options.antialiasing = false;
-    const reference::ReferencePicture truth =
-        reference::render_truth({scene.content, scene.selection, scene.camera, scene.options});
-    scene.options.classification = Classification::kAfter;
-    scene.overrides.one_ray = true;
-    Renderer renderer = renderer_of(scene.content, scene.selection);
-    const Frame frame = frame_or_throw(renderer, scene.camera, scene.options, scene.overrides);
-    const Picture& picture = frame.picture;
-    surfaces += frame.stats.triangles > 0 ? 1 : 0;
-    EXPECT_LE(reference::energy_violation(picture), 1e-5) << number << ": " << describe(scene);
-    // Edges are where vertices snapped to 1/256 pixel have them: a few centres may lie on the other side.
-    std::size_t wrong = 0;
-    for (std::size_t n = 0; n < truth.pixels.size(); ++n) {
-      double apart = 0;
-      for (std::size_t c = 0; c < 4; ++c) {
-        apart = std::max(apart, std::abs(picture.rgba[4 * n + c] - truth.pixels[n][c]));
-      }
-      wrong += apart > 0.02 ? 1 : 0;
-    }
-    EXPECT_LE(wrong, 1 + truth.pixels.size() / 50) << number << ": " << describe(scene);
-  }
-  EXPECT_GT(surfaces, 30);
-}
 
 /// Thick slices with an external surface, and a view along them but for seven degrees: rays run in the planes
 /// of voxels of the principal axis.
@@ -115,23 +81,6 @@ TEST(CastSurfaces, OfTooWideAFieldOfViewNameExternalOnes) {
               FailsWith(ErrorCode::kUsage, testing::HasSubstr("external surfaces, which every mode draws")));
 }
 
-/// A narrow field of view from far away is a parallel view, with edges antialiased, too.
-TEST(CastSurfaces, AFarEyeSeesInParallel) {
-  const StandardScene scene = hybrid_scene();
-  Camera camera{.azimuth_deg = 33, .elevation_deg = 21};
-  const RenderOptions options{.size = {60, 50}, .classification = Classification::kAfter};
-  const Picture parallel = render_or_throw(scene.content, scene.selection, camera, options);
-  camera.projection = CameraProjection::kPerspective;
-  camera.field_of_view_deg = 1e-2;
-  const Picture from_far = render_or_throw(scene.content, scene.selection, camera, options);
-  double squares = 0;
-  for (std::size_t n = 0; n < parallel.rgba.size(); ++n) {
-    squares += std::pow(parallel.rgba[n] - from_far.rgba[n], 2);
-  }
-  EXPECT_LE(255 * std::sqrt(squares / static_cast<double>(parallel.rgba.size())), 1);
-  EXPECT_GT(parallel.at(30, 25)[3], 0.5);
-}
-
 /// The transmittance through both sides of an eye is the square of that through one side: fog, and the
 /// translucent surface of the hollow in which the eye is.
 TEST(CastSurfaces, AnEyeInsideSeesOneSideOfTheSurface) {
@@ -156,12 +105,6 @@ TEST(CastSurfaces, AnEyeInsideSeesOneSideOfTheSurface) {
   const double one_side = 1 - render_or_throw(content, selection, camera, options).at(16, 16)[3];
   EXPECT_LT(one_side, 0.5);
   EXPECT_NEAR(both_sides, one_side * one_side, 1e-3);
-}
-
-TEST(CastSurfaces, ThreadsDoNotChangeABit) {
-  const StandardScene scene = hybrid_scene();
-  const Camera camera{.azimuth_deg = 33, .projection = CameraProjection::kPerspective};
-  (void)render_with_threads(scene.content, scene.selection, camera, {.size = {71, 57}});
 }
 
 /// A stop request ends a job of many packets before its next packet.

@@ -120,29 +120,6 @@ TEST_P(MarchKernelsOf, SkipEmptyBricksOnly) {
   }
 }
 
-class MarchTargets : public EveryKernel {};
-INSTANTIATE_TEST_SUITE_P(Every, MarchTargets, testing::ValuesIn(simd_targets()), kernel_name);
-
-/// Packets choose the same steps on every instruction set, with a tolerance and early termination, too.
-TEST_P(MarchTargets, AgreeWithTheScalarReference) {
-  constexpr std::array kTolerances{0.054f, 0.0046f, 1e-4f};
-  constexpr std::array kThresholds{0.0f, 1e-3f, 0.3f, 1e-4f};
-  for (std::uint32_t seed = 0; seed < repetitions(360); ++seed) {
-    RandomSources random(seed, {.one_of = seed % 2 == 0 ? 3u : 30u, .sparse = seed % 2 != 0});
-    const PreintegratedTransfer curve = random.curve(2 + seed % 19), other = random.curve(3);
-    const RayPacket rays = seed % 3 == 0 ? random.diagonals() : random.rays_of_all_axes();
-    for (const std::vector<MarchSource>& sources : all_kinds(random, curve, other)) {
-      MarchScene scene = random.scene(sources, 1);
-      scene.tolerance = kTolerances[seed % kTolerances.size()];
-      scene.termination_threshold = kThresholds[seed % kThresholds.size()];
-      scene.max_steps = 32;
-      EXPECT_LE(max_difference(marched(scene, rays, best_march()), marched(scene, rays, scalar_march())),
-                2e-5f)
-          << "seed " << seed;
-    }
-  }
-}
-
 /// A slab of one depth, with a colour that changes in proportion to the share of the depth passed: the
 /// integral in closed form, however few steps there are.
 TEST_P(MarchKernelsOf, WhatIsEmittedInFrontHidesWhatIsBehind) {

@@ -375,26 +375,5 @@ TEST(Rasterize, OmitsBackFacesOfClosedSurfacesUnseen) {
   EXPECT_LT(differences, with.rgba.size() / 4 / 500);
 }
 
-TEST(Rasterize, GivesTheSameFragmentsWithAnyNumberOfThreads) {
-  std::mt19937 random(7);
-  Drawing drawing{view_from(33, 21, {80, 70}, 0.3, {8, 8, 8})};
-  const std::vector<SurfaceMesh> meshes = noise_meshes(random, 3, 3, drawing.grid);
-  const std::array surfaces{translucent(meshes[0], 0), translucent(meshes[1], 1, 1.0f),
-                            translucent(meshes[2], 2, 0.1f)};
-  const Drawn one = *drawing.draw(surfaces);
-  ASSERT_GT(one.fragments.size(), 3000u);
-  for (const unsigned threads : {2u, 8u}) {
-    drawing.threads = threads;
-    const Drawn several = *drawing.draw(surfaces);
-    ASSERT_EQ(several.fragments.size(), one.fragments.size());
-    for (std::size_t n = 0; n < one.fragments.size(); ++n) {
-      const PixelFragment& a = one.fragments[n];
-      const PixelFragment& b = several.fragments[n];
-      ASSERT_TRUE(a.depth == b.depth && a.pixel == b.pixel && a.rgba == b.rgba && a.structure == b.structure)
-          << "fragment " << n;
-    }
-  }
-}
-
 }  // namespace
 }  // namespace splatlas

@@ -38,20 +38,6 @@ TEST(Shading, EqualsTheReferenceForAnyNormalAndView) {
   }
 }
 
-TEST(Shading, MirrorsNormalsThatPointAwayAtThePlaneOfThePicture) {
-  const ParallelView view = view_from(33, -12);
-  const Lighting lighting(view);
-  for (int n = 0; n < 65536; n += 7) {
-    const auto normal = unpack_normal(static_cast<PackedNormal>(n));
-    std::array<float, 3> mirrored{};
-    double away = 0;
-    for (std::size_t a = 0; a < 3; ++a) away += static_cast<double>(normal[a]) * view.forward_lps[a];
-    for (std::size_t a = 0; a < 3; ++a)
-      mirrored[a] = static_cast<float>(static_cast<double>(normal[a]) - 2 * away * view.forward_lps[a]);
-    EXPECT_NEAR(lighting.diffuse(normal), lighting.diffuse(mirrored), 1e-6f);
-  }
-}
-
 /// Neighbouring codes are 1.3 degrees apart at most; the factor changes by 0.85 per radian at most.
 TEST(Shading, ChangesLittleFromOneCodeToTheNext) {
   for (const auto& [azimuth, elevation] : {std::pair(0, 0), {33, -12}, {-70, 55}}) {

@@ -2,12 +2,10 @@
 
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "tests/format/random_graph.h"
 #include "tests/reference/reference_radiance.h"
 #include "tests/support/test_content.h"
 
@@ -112,26 +110,6 @@ TEST(TransferTable, IsAtTheLastPointWithoutValues) {
   for (const ClassifiedVoxel& appearance : appearances) {
     EXPECT_EQ(appearance.extinction_per_mm, 2);
     EXPECT_EQ(appearance.shade, 0.25f);
-  }
-}
-
-RC_GTEST_PROP(TransferTable, FollowsAnyCurve, ()) {
-  auto random = *random_source();
-  const TransferCurve curve = random_curve(random);
-  const TransferTable table(shape_of(curve), VoxelType::kFloat64);
-  double densest = 0;
-  for (const TransferPoint& point : curve.points) {
-    densest = std::max(densest, extinction_of(point.opacity, 1));
-  }
-  const double first = curve.points.front().grey;
-  const double last = curve.points.back().grey;
-  for (int n = 0; n < 100; ++n) {
-    const double grey = std::uniform_real_distribution<double>(first - 5, last + 5)(random);
-    const TransferValue expected = reference::transfer(curve, grey, 1);
-    const TransferShare share = table.share_of(grey);
-    RC_ASSERT(std::abs(share.extinction * densest - expected.extinction_per_mm) <=
-              1e-7 * expected.extinction_per_mm);
-    RC_ASSERT(std::abs(share.shade - expected.shade) <= 6e-8);
   }
 }
 

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "tests/player/prepared_selection.h"
-#include "tests/reference/reference_radiance.h"
 
 namespace splatlas {
 namespace {
@@ -89,41 +88,6 @@ TEST(VolumeAppearances, ShareOneTableAmongOpacities) {
   const auto appearances = prepared.appearances.appearances();
   for (const VolumeAppearance& appearance : appearances)
     EXPECT_EQ(appearance.transfer, appearances[0].transfer);
-}
-
-TEST(VolumeAppearances, ReachTheirOpacityOverTheReferenceLength) {
-  for (const double spacing_mm : {1e-6, 0.7, 1e6}) {
-    AtlasContent content = row_of(1);
-    content.source_grid.spacing_mm = {spacing_mm, spacing_mm, spacing_mm};
-    Selection selection = selection_of("s0", content.graph);
-    PreparedSelection prepared(content, selection);
-    for (const float opacity : {1e-8f, 1e-4f, 0.1f, 0.5f, 0.999f}) {
-      selection.structures[0].opacity = opacity;
-      prepared.select(selection);
-      const double depth =
-          prepared.appearances.appearances()[0].extinction_per_mm * prepared.atlas->reference_length_mm();
-      // The float extinction rounds the depth by a relative 6e-8.
-      EXPECT_NEAR(-std::expm1(-depth) / static_cast<double>(opacity), 1, 2e-7)
-          << opacity << ", " << spacing_mm;
-    }
-  }
-}
-
-TEST(VolumeAppearances, ColorsAreLinear) {
-  const AtlasContent content = row_of(1);
-  Selection selection = selection_of("s0", content.graph);
-  PreparedSelection prepared(content, selection);
-  for (int channel = 0; channel < 256; ++channel) {
-    selection.structures[0].color = {static_cast<std::uint8_t>(channel), 0, 255};
-    prepared.select(selection);
-    const VolumeAppearance& appearance = prepared.appearances.appearances()[0];
-    EXPECT_NEAR(appearance.color[0], reference::linear_of(selection.structures[0].color)[0], 1e-7);
-    EXPECT_EQ(appearance.color[1], 0.0f);
-    EXPECT_EQ(appearance.color[2], 1.0f);
-    const std::array<float, 3> emission = appearance.emission({2.0f, 0.25f});
-    EXPECT_FLOAT_EQ(emission[0], 0.5f * appearance.color[0]);
-    EXPECT_EQ(emission[2], 0.5f);
-  }
 }
 
 }  // namespace

@@ -1,11 +1,5 @@
 #include "player/render/sheets/spans/build_spans.h"
 
-#include <algorithm>
-#include <array>
-#include <random>
-#include <tuple>
-
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "player/render/transfer/shading.h"
@@ -51,22 +45,6 @@ TEST(BuildSpans, HoldsTheLightOfEverySelectedVoxelWithAndWithoutShading) {
   EXPECT_LT(other_codes, compared / 1000);
 }
 
-TEST(BuildSpans, DoesNotDependOnTheNumberOfThreads) {
-  const RandomScene scene = random_scene(4, 24);
-  PreparedSelection one(scene.content, scene.selection, 1);
-  PreparedSelection eight(scene.content, scene.selection, 8);
-  for (const Axis axis : kAxes) {
-    const SpanModel a = one.spans(axis);
-    const SpanModel b = eight.spans(axis);
-    ASSERT_EQ(a.voxels, b.voxels);
-    for (std::size_t s = 0; s < a.slices.size(); ++s) {
-      ASSERT_EQ(a.slices[s].optics.size(), b.slices[s].optics.size());
-      for (std::size_t n = 0; n < a.slices[s].optics.size(); ++n)
-        ASSERT_EQ(a.slices[s].optics.data()[n], b.slices[s].optics.data()[n]);
-    }
-  }
-}
-
 /// Voxels at every distance, and grey values that cut runs into pieces of every length.
 TEST(BuildSpans, TakesNoMoreMemoryThanItSays) {
   for (const std::int64_t visible : {1, 2, 7, 8, 15, 16, 17, 31, 32, 33}) {
@@ -91,69 +69,6 @@ TEST(BuildSpans, TakesNoMoreMemoryThanItSays) {
       }
     }
   }
-}
-
-bool equal(const SliceSpans& a, const SliceSpans& b) {
-  const auto facts = [](const SliceSpans& s) {
-    return std::tie(s.number, s.emissions, s.first_row, s.last_row, s.first_span, s.voxels);
-  };
-  const auto of_span = [](const Span& s) { return std::tie(s.first_block, s.blocks, s.voxels, s.offset); };
-  return facts(a) == facts(b) && std::ranges::equal(a.spans, b.spans, {}, of_span, of_span) &&
-         std::equal(a.optics.data(), a.optics.data() + a.optics.size(), b.optics.data(),
-                    b.optics.data() + b.optics.size()) &&
-         a.lit == b.lit;
-}
-
-void expect_equal(const SpanModel& a, const SpanModel& b) {
-  ASSERT_EQ(a.voxels, b.voxels);
-  ASSERT_EQ(a.lit_voxels, b.lit_voxels);
-  ASSERT_EQ(a.color, b.color);
-  ASSERT_EQ(std::tuple(a.slice_first, a.slice_count, a.row_first, a.rows, a.scan_first, a.scan_voxels),
-            std::tuple(b.slice_first, b.slice_count, b.row_first, b.rows, b.scan_first, b.scan_voxels));
-  ASSERT_EQ(a.slices.size(), b.slices.size());
-  for (std::size_t n = 0; n < a.slices.size(); ++n) ASSERT_TRUE(equal(a.slices[n], b.slices[n])) << n;
-}
-
-/// Some structures of a scene, with one of a few appearances each.
-Selection some_structures(const StructureGraph& graph, std::mt19937& random) {
-  constexpr std::array<const char*, 5> kAppearances{"", "(opacity=0.3)", "(color=#ff8800)", "(profile=hard)",
-                                                    "(curve=0:0/3:0.5)"};
-  std::string text;
-  const char* const appearance =
-      kAppearances[random() % kAppearances.size()];  // for structures without their own
-  for (StructureIndex s = 0; s < graph.size(); ++s) {
-    if (random() % 2 == 0) continue;
-    const char* const own = random() % 4 == 0 ? kAppearances[random() % kAppearances.size()] : appearance;
-    text += fmt::format("{}\"{}\":volume{}", text.empty() ? "" : " + ", graph.structures()[s].id, own);
-  }
-  const auto selection = Selection::parse(text.empty() ? "*" : text, graph);
-  EXPECT_TRUE(selection) << text << ": " << (selection ? "" : selection.error().message);
-  return *selection;
-}
-
-TEST(BuildSpans, OneSelectionAfterAnotherGivesWhatEachWouldAlone) {
-  std::mt19937 random(1);
-  std::size_t kept = 0, built = 0;
-  for (std::uint32_t number = 0; number < 40; ++number) {
-    const RandomScene scene = random_scene(number, 16);
-    PreparedSelection prepared(scene.content, scene.selection, 2);
-    const Axis axis = kAxes[random() % 3];
-    SpanBuilder builder;
-    for (int change = 0; change < 8; ++change) {
-      prepared.select(some_structures(prepared.atlas->graph(), random));
-      const bool shade = random() % 4 != 0;
-      prepared.build(axis, builder, shade);
-      SpanBuilder fresh;
-      prepared.build(axis, fresh, shade);
-      ASSERT_NO_FATAL_FAILURE(expect_equal(builder.model(), fresh.model())) << "scene " << number;
-      ASSERT_EQ(fresh.slices_built(), fresh.model().slices.size());
-      if (change == 0) continue;
-      built += builder.slices_built();
-      kept += builder.model().slices.size() - builder.slices_built();
-    }
-  }
-  EXPECT_GT(built, 500u);
-  EXPECT_GT(kept, 100u);
 }
 
 /// Boxes in a row: only slices that change are rebuilt.

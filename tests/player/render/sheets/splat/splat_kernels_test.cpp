@@ -175,8 +175,6 @@ class SplatKernelsOf : public EveryKernel {
   }
 };
 INSTANTIATE_TEST_SUITE_P(Every, SplatKernelsOf, testing::ValuesIn(targets_and_reference()), kernel_name);
-class VectorSplatKernels : public SplatKernelsOf {};
-INSTANTIATE_TEST_SUITE_P(Every, VectorSplatKernels, testing::ValuesIn(simd_targets()), kernel_name);
 
 TEST_P(SplatKernelsOf, CompositeTheDefinition) {
   std::mt19937 random(1);
@@ -319,30 +317,6 @@ TEST_P(SplatKernelsOf, RecordedOpaquePixelsHaveNoEffect) {
     }
   }
   EXPECT_GT(known_pixels, 2000);
-}
-
-/// Blocks decide alike on every instruction set about absorption methods and hidden pixels.
-TEST_P(VectorSplatKernels, AgreeWithTheScalarReference) {
-  std::mt19937 random(4);
-  for (int n = 0; n < 300; ++n) {
-    Case scene(random, n % 3 == 0 ? 8.0f : 0.5f);
-    Image image = n % 2 == 0 ? scene.image(random) : scene.black_image();
-    Image scalar = image;
-    const float threshold = std::array{0.0f, 1e-4f, 1e-2f}[static_cast<std::size_t>(n) % 3];
-    for (int slice = 0; slice < 6; ++slice) {
-      scene.composite(kernels(), 1.7f, threshold, image);
-      scene.composite(scalar_kernels(), 1.7f, threshold, scalar);
-      for (Phase& phase : scene.rows.phases) ++phase.shift;
-    }
-    for (std::size_t s = 0; s < image.phase_rows(); ++s) {
-      for (std::size_t plane = 0; plane < image.planes(); ++plane) {
-        for (std::int64_t x = 0; x < image.columns(); ++x) {
-          const float expected = scalar.at(s, plane, x);
-          ASSERT_NEAR(image.at(s, plane, x), expected, 1e-6 * std::max(1.0f, expected)) << "scene " << n;
-        }
-      }
-    }
-  }
 }
 
 /// Slabs cut by up to three planes: the definition with the kept fraction of each pixel.

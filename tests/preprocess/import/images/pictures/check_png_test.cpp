@@ -14,27 +14,13 @@ namespace {
 using testing::AnyOf;
 using testing::HasSubstr;
 
-std::string big_endian_bytes(std::uint32_t value) {
-  std::string bytes;
-  for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift & 0xff);
-  return bytes;
-}
-
-std::string chunk(const std::string& type, const std::string& data) {
-  const std::string checked = type + data;
-  const uLong sum =
-      crc32(0, reinterpret_cast<const Bytef*>(checked.data()), static_cast<uInt>(checked.size()));
-  return big_endian_bytes(static_cast<std::uint32_t>(data.size())) + checked +
-         big_endian_bytes(static_cast<std::uint32_t>(sum));
-}
-
 const std::string kSignature = "\x89PNG\r\n\x1a\n";
 /// Of grey pixels of 8 bits.
 std::string header_chunk(std::uint32_t columns = 3, std::uint32_t rows = 2) {
-  return chunk("IHDR", big_endian_bytes(columns) + big_endian_bytes(rows) + std::string("\x8\0\0\0\0", 5));
+  return png_chunk("IHDR", big_endian(columns) + big_endian(rows) + std::string("\x8\0\0\0\0", 5));
 }
 std::string pixel_chunk() {
-  return chunk("IDAT", deflated(std::string("\0\1\2\3\0\4\5\6", 8), false));
+  return png_chunk("IDAT", deflated(std::string("\0\1\2\3\0\4\5\6", 8), false));
 }
 
 TEST_F(ImportImage, PngFilesAreCheckedBeforeLibpngReadsThem) {
@@ -45,7 +31,7 @@ TEST_F(ImportImage, PngFilesAreCheckedBeforeLibpngReadsThem) {
     const Result<SourceImage> image = read_image(path, options);
     return image ? "no error" : image.error().message;
   };
-  const std::string whole = kSignature + header_chunk() + pixel_chunk() + chunk("IEND", "");
+  const std::string whole = kSignature + header_chunk() + pixel_chunk() + png_chunk("IEND", "");
   ASSERT_EQ(refusal(whole), "no error");
   const Result<SourceImage> image = read_image(path, options);
   ASSERT_EQ(image->voxels.bytes.size(), 6u);
@@ -63,9 +49,9 @@ TEST_F(ImportImage, PngFilesAreCheckedBeforeLibpngReadsThem) {
                                         HasSubstr("does not begin as a PNG file")))
         << at;
   }
-  EXPECT_THAT(refusal(kSignature + header_chunk() + chunk("IEND", "")), HasSubstr("holds no pixels"));
+  EXPECT_THAT(refusal(kSignature + header_chunk() + png_chunk("IEND", "")), HasSubstr("holds no pixels"));
   EXPECT_THAT(refusal(kSignature + pixel_chunk()), HasSubstr("does not begin as a PNG file"));
-  EXPECT_THAT(refusal(kSignature + header_chunk(999999, 999999) + pixel_chunk() + chunk("IEND", "")),
+  EXPECT_THAT(refusal(kSignature + header_chunk(999999, 999999) + pixel_chunk() + png_chunk("IEND", "")),
               HasSubstr("a.png: has 953672 MiB of pixels, and its reader may hold"));
 }
 
