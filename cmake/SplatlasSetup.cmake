@@ -31,7 +31,7 @@ target_compile_options(splatlas_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor -Wold-style-cast
   # In unity batches: a local name of another source; false alarms of GCC 12 (its bugs 105651 and 105329).
   $<$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>:-Wno-shadow>
-  $<$<AND:$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>,$<CXX_COMPILER_ID:GNU>>:-Wno-array-bounds;-Wno-restrict;-Wno-stringop-overflow>
+  $<$<AND:$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>,$<CXX_COMPILER_ID:GNU>>:-Wno-array-bounds;-Wno-restrict;-Wno-stringop-overflow;-Wno-stringop-overread>
   $<$<BOOL:${SPLATLAS_WERROR}>:-Werror>)
 if(SPLATLAS_SANITIZE)
   add_compile_definitions(SPLATLAS_SANITIZED)

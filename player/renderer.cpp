@@ -269,27 +269,24 @@ struct Renderer::Impl {
   /// Runs the stages of a frame.
   [[nodiscard]] Result<void> run_stages(FrameRenderer& stages, std::size_t volume_loops,
                                         const FrameCall& call, Frame& frame) {
-    rasterized = 0;
     SPLATLAS_RETURN_IF_ERROR(stages.run(volume_loops, call.task, frame.picture));
     shown = stages.shown();
-    if (++frames; buffers.has_fragments) rasterized = frames;
+    ++frames;
     std::swap(frame.ids, buffers.ids);  // empty without ids
     buffers.ids.numbers.clear();
     frame.depths = call.options.depths ? std::exchange(buffers.depths, {}) : DepthMap{};
     return {};
   }
 
-  /// Picks in the n-th frame. Rasterises its surfaces again if another frame has replaced its fragments.
+  /// Picks in the n-th frame.
   [[nodiscard]] std::optional<Pick> pick(const ShownFrame& frame, std::uint64_t n, const IdImage& ids,
                                          double x, double y) {
-    if (n < first_shown || n == too_large) return std::nullopt;
-    if (rasterized != n) {
-      rasterized = 0;
-      const auto again = rasterize_again(frame, drawn.surfaces(decoded.cache(), frame.surface_level),
-                                         atlas->grid(), buffers, pool);
-      (again ? rasterized : too_large) = n;
-      if (!again) return std::nullopt;
-    }
+    const PictureSize& size = frame.view.plane.size;
+    if (n < first_shown || !(x >= 0 && y >= 0 && x < size.width && y < size.height)) return std::nullopt;
+    const auto column = static_cast<std::int32_t>(x), row = static_cast<std::int32_t>(y);
+    if (!rasterize_again(frame, drawn.surfaces(decoded.cache(), frame.surface_level), atlas->grid(),
+                         {column, column, row, row}, buffers, pool))
+      return std::nullopt;
     const Axis axis = frame.sheets.value_or(Axis::kZ);
     const SelectedRuns* runs = frame.sheets ? spans.runs(axis) : nullptr;
     std::optional<SelectedRuns> own_runs;
@@ -325,11 +322,10 @@ struct Renderer::Impl {
   // State of frames: the current one, and how finished ones are picked.
   FrameBuffers buffers;
   RenderStats stats;
-  ShownFrame shown;                             // the latest finished one
-  std::uint64_t frames = 0;                     // finished so far
-  std::uint64_t first_shown = 1;                // the first one of the current draw plan
-  std::uint64_t rasterized = 0, too_large = 0;  // with fragments in the buffers; beyond memory. 0: none
-  double fit_decode_ms = 0;                     // of calls of fit() since the latest frame
+  ShownFrame shown;               // the latest finished one
+  std::uint64_t frames = 0;       // finished so far
+  std::uint64_t first_shown = 1;  // the first one of the current draw plan
+  double fit_decode_ms = 0;       // of calls of fit() since the latest frame
 };
 
 Renderer::Renderer(std::shared_ptr<const Atlas> atlas, const RendererOptions& options)

@@ -24,48 +24,15 @@ ImFont* add_font(float pixels) {
   return fonts.AddFontDefault(&config);
 }
 
-ImVec4 rgb(int r, int g, int b) {
-  return ImGui::ColorConvertU32ToFloat4(IM_COL32(r, g, b, 255));
-}
-
-void set_colors(ImVec4* colors) {
-  colors[ImGuiCol_Text] = ImGui::ColorConvertU32ToFloat4(kTextColor);
-  colors[ImGuiCol_TextDisabled] = ImGui::ColorConvertU32ToFloat4(kDimColor);
-  colors[ImGuiCol_WindowBg] = rgb(27, 30, 35);
-  colors[ImGuiCol_ChildBg] = rgb(27, 30, 35);
-  colors[ImGuiCol_PopupBg] = rgb(36, 40, 47);
-  colors[ImGuiCol_Border] = rgb(58, 64, 74);
-  colors[ImGuiCol_FrameBg] = rgb(42, 47, 55);
-  colors[ImGuiCol_FrameBgHovered] = rgb(52, 59, 69);
-  colors[ImGuiCol_FrameBgActive] = rgb(60, 68, 80);
-  colors[ImGuiCol_Button] = rgb(48, 54, 64);
-  colors[ImGuiCol_ButtonHovered] = rgb(62, 72, 86);
-  colors[ImGuiCol_ButtonActive] = rgb(74, 144, 217);
-  colors[ImGuiCol_Header] = rgb(48, 60, 76);
-  colors[ImGuiCol_HeaderHovered] = rgb(56, 72, 92);
-  colors[ImGuiCol_HeaderActive] = rgb(64, 86, 112);
-  colors[ImGuiCol_SliderGrab] = rgb(74, 144, 217);
-  colors[ImGuiCol_SliderGrabActive] = rgb(110, 172, 236);
-  colors[ImGuiCol_ScrollbarBg] = rgb(27, 30, 35);
-  colors[ImGuiCol_Separator] = rgb(58, 64, 74);
-}
-
 }  // namespace
 
 Fonts apply_theme(float scale) {
   ImGui::StyleColorsDark();
   ImGuiStyle& style = ImGui::GetStyle();
-  style.WindowPadding = {10, 10};
-  style.FramePadding = {9, 5};
-  style.ItemSpacing = {8, 7};
-  style.FrameRounding = 4;
-  style.GrabRounding = 4;
-  style.PopupRounding = 4;
-  style.ScrollbarRounding = 4;
-  style.WindowBorderSize = 0;
-  style.ChildBorderSize = 0;
+  style.WindowBorderSize = style.ChildBorderSize = 0;
+  style.Colors[ImGuiCol_Text] = ImGui::ColorConvertU32ToFloat4(kTextColor);
+  style.Colors[ImGuiCol_TextDisabled] = ImGui::ColorConvertU32ToFloat4(kDimColor);
   style.ScaleAllSizes(scale);
-  set_colors(style.Colors);
   return {add_font(kRegularPixels * scale), add_font(kSmallPixels * scale), add_font(kLargePixels * scale)};
 }
 

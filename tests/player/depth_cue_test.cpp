@@ -175,7 +175,7 @@ TEST(DepthCueOfFrames, DepthsOfSurfacesStop) {
   DepthMap depths;
   depths.clear(size);
   ThreadPool pool(1);
-  EXPECT_THROW(add_surface_depths(none, {}, {view, std::nullopt}, ViewDepth(view, Grid{}), depths, pool),
+  EXPECT_THROW(add_surface_depths(none, {view, std::nullopt}, ViewDepth(view, Grid{}), depths, pool),
                Cancelled);
 }
 

@@ -209,7 +209,6 @@ TEST(Renderer, RefusesPicturesThatNeedTooMuchMemoryBeforeItReads) {
 /// The picture before a refused frame stays on the screen.
 TEST(Renderer, PicksThePictureBeforeAFrameThatWasRefused) {
   const AtlasContent content = phantom_content();
-  // Memory for 3000 fragments.
   Renderer renderer(open_in_memory(content), {1, (1200 << 10) + picture_bytes({99, 99})});
   ASSERT_TRUE(renderer.select(selection_of("Spheres:both(opacity=0.5)", content.graph)));
   const Camera far_away{.zoom = 0.05};
@@ -217,8 +216,7 @@ TEST(Renderer, PicksThePictureBeforeAFrameThatWasRefused) {
   const auto pick = frame.pick(49, 50);
   ASSERT_TRUE(pick);
   EXPECT_FALSE(frame.pick(40, 60));
-  const Camera close{.zoom = 1.5};
-  const auto refused = renderer.render(close, {.size = {99, 99}});
+  const auto refused = renderer.render({}, {.size = {999, 999}});
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
   const auto again = frame.pick(49, 50);
@@ -226,6 +224,31 @@ TEST(Renderer, PicksThePictureBeforeAFrameThatWasRefused) {
   EXPECT_EQ(again->structure, pick->structure);
   EXPECT_EQ(again->point_lps_mm, pick->point_lps_mm);
   EXPECT_FALSE(frame.pick(40, 60));
+}
+
+/// A picture whose fragments do not fit into memory is drawn in parts.
+TEST(Renderer, DrawsWithMemoryForFewFragments) {
+  const AtlasContent content = phantom_content();
+  const Camera camera{.azimuth_deg = 30, .elevation_deg = 20, .zoom = 1.5};
+  for (const Quality quality : {Quality::kDraft, Quality::kNormal}) {
+    for (const bool perspective : {false, true}) {
+      RenderOptions options{.size = {601, 299}, .quality = quality, .ids = true, .depths = true};
+      Camera of_view = camera;
+      if (perspective) of_view.projection = CameraProjection::kPerspective;
+      Frame frames[2];
+      const std::uint64_t volume = 64 << 20;
+      for (const std::size_t n : {0u, 1u}) {
+        // Half of the memory is for fragments, of 200 bytes: all of a region, or 60 000
+        Renderer renderer(open_in_memory(content), {2, n == 0 ? 4 * volume : (24u << 20)});
+        ASSERT_TRUE(renderer.select(selection_of("Spheres:both(opacity=0.5)", content.graph)));
+        frames[n] = frame_or_throw(renderer, of_view, options);
+      }
+      EXPECT_LT(reference::difference(frames[0].picture, frames[1].picture).largest,
+                perspective ? 4e-3 : 1e-4);  // rays of a packet share their steps
+      EXPECT_EQ(frames[0].ids.numbers, frames[1].ids.numbers);
+      EXPECT_EQ(frames[0].depths.mm, frames[1].depths.mm);
+    }
+  }
 }
 
 /// The renderer reuses the memory of a frame: nothing of an earlier id image remains.

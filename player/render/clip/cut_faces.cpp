@@ -159,7 +159,8 @@ FaceLayer::Extent ViewFaces::row_of_parallel_rays(double y, std::int32_t width, 
   return shown;
 }
 
-void fill_faces(const ViewFaces& faces, const PictureSize& size, FaceLayer& layer, ThreadPool& pool) {
+void fill_faces(const ViewFaces& faces, const PictureSize& size, const PixelBox& region, FaceLayer& layer,
+                ThreadPool& pool) {
   const auto width = static_cast<std::size_t>(size.width), height = static_cast<std::size_t>(size.height);
   const bool has_back = faces.has_back();
   if (layer.size != size || layer.empty() || layer.back.empty() == has_back) {
@@ -168,9 +169,12 @@ void fill_faces(const ViewFaces& faces, const PictureSize& size, FaceLayer& laye
     layer.back.assign(has_back ? width * height : 0, {});
     layer.shown.assign(height, {});
   }
-  pool.for_each((height + kRowsPerJob - 1) / kRowsPerJob, [&](std::size_t job) {
+  const auto first = static_cast<std::size_t>(region.y_first),
+             end = static_cast<std::size_t>(region.y_last) + 1;
+  pool.for_each((end - first + kRowsPerJob - 1) / kRowsPerJob, [&](std::size_t job) {
     check_task();
-    for (std::size_t row = job * kRowsPerJob; row < std::min(height, (job + 1) * kRowsPerJob); ++row) {
+    for (std::size_t row = first + job * kRowsPerJob; row < std::min(end, first + (job + 1) * kRowsPerJob);
+         ++row) {
       Face* const front = layer.front.data() + row * width;
       Face* const back = has_back ? layer.back.data() + row * width : nullptr;
       FaceLayer::Extent& shown = layer.shown[row];
@@ -188,7 +192,7 @@ void add_faces(const FaceLayer& layer, Picture& picture, ThreadPool& pool) {
   const auto height = static_cast<std::size_t>(picture.size.height);
   pool.for_each((height + kRowsPerJob - 1) / kRowsPerJob, [&](std::size_t job) {
     for (std::size_t row = job * kRowsPerJob; row < std::min(height, (job + 1) * kRowsPerJob); ++row)
-      layer.add_to_row(row, &picture.rgba[4 * row * width]);
+      layer.add_to_row(row, 0, picture.size.width, &picture.rgba[4 * row * width]);
   });
 }
 

@@ -9,6 +9,7 @@
 #include "player/render/clip/cut_rays.h"
 #include "player/render/clip/face_layer.h"
 #include "player/render/clip/face_map.h"
+#include "player/render/view/pixel_box.h"
 #include "player/render_options.h"
 
 namespace splatlas {
@@ -58,8 +59,9 @@ class ViewFaces {
   double sign_;
 };
 
-/// Replaces the layer by the faces at the pixel centres. Cost: linear in the pixels.
-void fill_faces(const ViewFaces& faces, const PictureSize& size, FaceLayer& layer, ThreadPool& pool);
+/// Replaces the rows of a region in a layer by the faces at the pixel centres. Cost: linear in their pixels.
+void fill_faces(const ViewFaces& faces, const PictureSize& size, const PixelBox& region, FaceLayer& layer,
+                ThreadPool& pool);
 
 /// Composites the faces with the pixels, which show what is between them. Cost: linear in the pixels.
 void add_faces(const FaceLayer& layer, Picture& picture, ThreadPool& pool);

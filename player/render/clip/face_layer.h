@@ -53,10 +53,12 @@ struct FaceLayer {
   }
   /// True if a face hides all else of a pixel.
   [[nodiscard]] bool hides(std::size_t pixel) const { return front[pixel].rgba[3] >= 1; }
-  /// Composites the faces of a row with the radiance between them (RGBA, the whole row).
-  void add_to_row(std::size_t row, float* rgba) const {
+  /// Composites the faces of columns [begin, end) of a row with the radiance between them (RGBA, the whole
+  /// row).
+  void add_to_row(std::size_t row, std::int32_t begin, std::int32_t end, float* rgba) const {
     const std::size_t first = row * static_cast<std::size_t>(size.width);
-    for (std::int32_t column = shown[row].first; column < shown[row].last; ++column) {
+    const auto [shown_first, shown_last] = shown[row];
+    for (std::int32_t column = std::max(begin, shown_first); column < std::min(end, shown_last); ++column) {
       const RayFaces faces = at(first + static_cast<std::size_t>(column));
       if (!faces.show()) continue;
       float* const pixel = rgba + std::ptrdiff_t{4} * column;

@@ -14,9 +14,12 @@ namespace splatlas {
 namespace {
 
 /// Progress of a frame at the end of each stage.
-constexpr double kRasterized = 0.4, kVolumeDrawn = 0.9, kResolved = 0.95;
+constexpr double kBegun = 0.3, kResolved = 0.95;
 /// Number of loops that report progress.
 constexpr std::size_t kRasterLoops = 8, kResolveLoops = 2, kCueLoops = 4;
+/// Pixels of a region with fragments: multiples of the tiles of the rasteriser and of the warp. Fragments of
+/// larger ones fall out of the cache; smaller ones draw more of the volume twice, at their borders.
+constexpr std::int32_t kRegionWidth = 512, kRegionHeight = 256;
 
 /// Bytes of the rasteriser and the volume pass per fragment, for samples with a single fragment.
 constexpr std::size_t kBytesPerFragment = 200;
@@ -46,33 +49,27 @@ void find_sample_faces(const ViewFaces& faces, int width, FragmentList& list, Th
   });
 }
 
-/// Rasterises surfaces, clipped by the frame's cut, and finds the faces of the cut. `painted`: the picture to
-/// paint in place of fragments, behind the faces, and its `depths`; null: none. Returns the number of
-/// triangles.
-Result<std::uint64_t> draw_surfaces(RasterScene scene, const ShownFrame& frame, const Grid& grid,
-                                    FrameBuffers& buffers, Picture* painted, std::vector<float>* depths,
-                                    ThreadPool& pool) {
-  if (frame.faces == nullptr) buffers.faces.clear();
+/// Clips the surfaces of the scene by the frame's cut, and finds the faces of the cut in the scene's region.
+void add_cuts(const ShownFrame& frame, const Grid& grid, FaceLayer& layer, SurfaceCuts& cuts,
+              RasterScene& scene, ThreadPool& pool) {
+  if (!frame.cuts.empty()) scene.cuts = &cuts.surfaces.emplace(frame.cuts, frame.view, grid, kCutMargin);
+  if (frame.faces == nullptr) {
+    layer.clear();
+    return;
+  }
+  cuts.of_faces.emplace(frame.cuts, frame.view, grid);
+  cuts.faces.emplace(*frame.faces, *cuts.of_faces, frame.caps, frame.depth_axis, frame.depth_sign);
+  fill_faces(*cuts.faces, scene.size, scene.region, layer, pool);
+  scene.faces = &layer;
+}
+
+/// Rasterises the fragments of the scene's region, with the faces of the cut at their samples.
+Result<std::uint64_t> draw_fragments(const RasterScene& scene, const RasterOptions& options,
+                                     const SurfaceCuts& cuts, FrameBuffers& buffers, ThreadPool& pool) {
   buffers.fragments.faces.clear();
-  buffers.has_fragments = painted == nullptr;
-  std::optional<CutRays> surface_cuts;
-  if (!frame.cuts.empty()) scene.cuts = &surface_cuts.emplace(frame.cuts, frame.view, grid, kCutMargin);
-  std::optional<CutRays> cuts;
-  std::optional<ViewFaces> faces;
-  if (frame.faces != nullptr) {
-    cuts.emplace(frame.cuts, frame.view, grid);
-    faces.emplace(*frame.faces, *cuts, frame.caps, frame.depth_axis, frame.depth_sign);
-    fill_faces(*faces, scene.size, buffers.faces, pool);
-    scene.faces = &buffers.faces;
-  }
-  if (painted != nullptr) {
-    buffers.fragments.clear(scene.size);
-    return buffers.rasterizer.paint(scene, frame.raster, *painted, depths, pool);
-  }
-  if (!faces) return buffers.rasterizer.draw(scene, frame.raster, buffers.fragments, pool);
   SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t triangles,
-                            buffers.rasterizer.draw(scene, frame.raster, buffers.fragments, pool));
-  find_sample_faces(*faces, scene.size.width, buffers.fragments, pool);
+                            buffers.rasterizer.draw(scene, options, buffers.fragments, pool));
+  if (cuts.faces) find_sample_faces(*cuts.faces, scene.size.width, buffers.fragments, pool);
   return triangles;
 }
 
@@ -84,11 +81,23 @@ bool cues_depth(const RenderOptions& options) {
 RasterOptions raster_options(const RenderOptions& options, std::uint64_t max_memory_bytes) {
   RasterOptions raster{std::min<std::size_t>(max_memory_bytes / 2 / kBytesPerFragment, kMaxFragments),
                        termination_threshold(options)};
-  const bool supersamples =
-      options.antialiasing && pixels_of(options.size) <= max_memory_bytes / 4 / kBytesToFindEdges;
-  if (supersamples && options.quality == Quality::kNormal) raster.edge_samples = kFourSamples.size();
-  if (supersamples && options.quality == Quality::kHigh) raster.edge_samples = kEightSamples.size();
+  if (options.antialiasing && options.quality == Quality::kNormal) raster.edge_samples = kFourSamples.size();
+  if (options.antialiasing && options.quality == Quality::kHigh) raster.edge_samples = kEightSamples.size();
   return raster;
+}
+
+/// The halves of a region of more than one pixel, along whole tiles if it has any.
+std::array<PixelBox, 2> halves(const PixelBox& region) {
+  constexpr std::int32_t kTile = TileBins::kTileSide;
+  const std::int32_t pixels = std::max(region.width(), region.height());
+  const std::int32_t half = pixels > kTile ? (pixels / kTile + 1) / 2 * kTile : pixels / 2;
+  std::array<PixelBox, 2> parts{region, region};
+  if (region.width() == pixels) {
+    parts[0].x_last = (parts[1].x_first = region.x_first + half) - 1;
+  } else {
+    parts[0].y_last = (parts[1].y_first = region.y_first + half) - 1;
+  }
+  return parts;
 }
 
 }  // namespace
@@ -127,23 +136,83 @@ FrameRenderer::FrameRenderer(const FrameScene& scene, FrameBuffers& buffers, Ren
 }
 
 Result<void> FrameRenderer::run(std::size_t volume_loops, TaskControl& task, Picture& picture) {
+  const PictureSize& size = scene_.options.size;
   stats_.voxels_visited = 0;
-  stats_.sheets = stats_.resolve = stats_.ids = stats_.depth_cue = {};
-  task.begin_stage(kRasterized, kRasterLoops);
-  SPLATLAS_RETURN_IF_ERROR(rasterize(picture));
+  stats_.rasterize = stats_.sheets = stats_.resolve = stats_.ids = stats_.depth_cue = {};
+  picture.size = size;
+  picture.rgba.resize(4 * pixels_of(size));
+  if (needs_depths()) buffers_.depths.clear(size);
+
+  // Draw what is not drawn by regions
+  task.begin_stage(kBegun, kRasterLoops + volume_loops);
+  SPLATLAS_RETURN_IF_ERROR(begin_surfaces(picture));
   if (voxels() == 0 && paints_surfaces()) {
     if (faces() != nullptr) add_faces(*faces(), picture, pool_);
     return {};
   }
-  task.begin_stage(kVolumeDrawn, volume_loops);
-  SPLATLAS_RETURN_IF_ERROR(render_volume(picture));
-  task.begin_stage(kResolved, kResolveLoops);
-  resolve(picture);
-  resolve_ids(picture);
+  SPLATLAS_RETURN_IF_ERROR(begin_volume(picture));
+
+  // Draw all regions; one without fragments
+  const PixelBox whole = PixelBox::of(size);
+  const bool has_fragments = !paints_surfaces() && (!scene_.surfaces.empty() || scene_.faces != nullptr);
+  const std::int32_t width = has_fragments ? kRegionWidth : size.width;
+  const std::int32_t height = has_fragments ? kRegionHeight : size.height;
+  const std::int32_t columns = (size.width + width - 1) / width, rows = (size.height + height - 1) / height;
+  for (std::int32_t n = 0; n < columns * rows; ++n) {
+    task.begin_stage(kBegun + (kResolved - kBegun) * (n + 1) / (columns * rows),
+                     kRasterLoops + volume_loops + kResolveLoops);
+    const std::int32_t x = n % columns * width, y = n / columns * height;
+    SPLATLAS_RETURN_IF_ERROR(
+        draw_region(intersection(whole, {x, x + width - 1, y, y + height - 1}), picture));
+  }
+  Stopwatch watch;
+  if (scene_.options.ids) finish_ids(picture);
+  stats_.ids += watch.lap();
   task.begin_stage(1, kCueLoops);
-  measure_depths();
-  cue_depth(picture);
+  finish_depths(picture);
   return {};
+}
+
+/// Paints the surfaces into the picture, if nothing needs their fragments.
+Result<void> FrameRenderer::begin_surfaces(Picture& picture) {
+  Stopwatch watch;
+  SPLATLAS_ASSIGN_OR_RETURN(const RasterScene raster, raster_scene_of_view());
+  raster_.emplace(raster);
+  add_cuts(shown(), scene_.grid, buffers_.faces, surface_cuts_, *raster_, pool_);
+  buffers_.fragments.clear(scene_.options.size);
+  buffers_.fragments.faces.clear();
+  if (paints_surfaces()) {
+    SPLATLAS_ASSIGN_OR_RETURN(
+        stats_.triangles,
+        buffers_.rasterizer.paint(*raster_, shown().raster, picture,
+                                  ends_at_surfaces() ? &buffers_.surface_depths : nullptr, pool_));
+    for (float& depth : buffers_.surface_depths) depth = in_volume(depth);
+  }
+  stats_.rasterize = watch.lap();
+  return {};
+}
+
+/// Draws a region, or its halves if its fragments take too much memory.
+Result<void> FrameRenderer::draw_region(const PixelBox& region, Picture& picture) {
+  Stopwatch watch;
+  raster_->region = region;
+  if (!paints_surfaces()) {
+    const Result<std::uint64_t> triangles =
+        draw_fragments(*raster_, shown().raster, surface_cuts_, buffers_, pool_);
+    if (!triangles && triangles.error().code == ErrorCode::kLimit && region.pixels() > 1) {
+      const auto [first, second] = halves(region);
+      SPLATLAS_RETURN_IF_ERROR(draw_region(first, picture));
+      return draw_region(second, picture);
+    }
+    SPLATLAS_ASSIGN_OR_RETURN(stats_.triangles, triangles);
+    if (needs_depths()) {
+      const ViewDepth view_depth(scene_.view, scene_.grid);
+      add_surface_depths(buffers_.fragments, shown(), view_depth, buffers_.depths, pool_);
+    }
+    for (Fragment& fragment : buffers_.fragments.fragments) fragment.depth = in_volume(fragment.depth);
+  }
+  stats_.rasterize += watch.lap();
+  return resolve(region, picture);
 }
 
 /// True if no fragments are needed: without a volume, or with one whose rays end at opaque surfaces. Rays
@@ -151,9 +220,12 @@ Result<void> FrameRenderer::run(std::size_t volume_loops, TaskControl& task, Pic
 /// edges, which drafts do not have.
 bool FrameRenderer::paints_surfaces() const {
   const RenderOptions& options = scene_.options;
+  const bool is_draft = options.quality == Quality::kDraft;
+  const bool finds_edges = options.antialiasing && !is_draft;  // of the whole picture
+  if (finds_edges && pixels_of(options.size) > scene_.max_memory_bytes / 4 / kBytesToFindEdges) return false;
   const bool alone = voxels() == 0 && (slice_axis() || all_opaque());
-  return (alone || ends_at_surfaces()) && (scene_.faces == nullptr || options.quality == Quality::kDraft) &&
-         !options.ids && !options.depths && !cues_depth(options);
+  return (alone || ends_at_surfaces()) && (scene_.faces == nullptr || is_draft) && !options.ids &&
+         !needs_depths();
 }
 
 bool FrameRenderer::ends_at_surfaces() const {
@@ -164,47 +236,30 @@ bool FrameRenderer::all_opaque() const {
   return std::ranges::all_of(scene_.surfaces, [](const SurfaceDraw& surface) { return surface.is_opaque(); });
 }
 
-Result<void> FrameRenderer::rasterize(Picture& picture) {
-  Stopwatch watch;
-  SPLATLAS_ASSIGN_OR_RETURN(const RasterScene raster, raster_scene_of_view());
-  raster_.emplace(raster);
-  SPLATLAS_ASSIGN_OR_RETURN(
-      stats_.triangles,
-      draw_surfaces(*raster_, shown(), scene_.grid, buffers_, paints_surfaces() ? &picture : nullptr,
-                    ends_at_surfaces() ? &buffers_.surface_depths : nullptr, pool_));
-  stats_.rasterize = watch.lap();
-  return {};
+/// A depth in voxels of the volume's level.
+float FrameRenderer::in_volume(float depth) const {
+  if (level() == 0) return depth;
+  const double scale = std::ldexp(1.0, -level());
+  return static_cast<float>(scale * static_cast<double>(depth) + raster_->depth_sign * (scale - 1) / 2);
 }
 
-void FrameRenderer::scale_depths(int level) {
-  if (level == 0) return;
-  const double scale = std::ldexp(1.0, -level);
-  const double shift = raster_->depth_sign * (scale - 1) / 2;
-  const auto scaled = [&](float depth) {
-    return static_cast<float>(scale * static_cast<double>(depth) + shift);
-  };
-  for (float& depth : buffers_.surface_depths) depth = scaled(depth);
-  for (Fragment& fragment : buffers_.fragments.fragments) fragment.depth = scaled(fragment.depth);
-  buffers_.has_fragments = false;
+bool FrameRenderer::needs_depths() const {
+  return scene_.options.depths || cues_depth(scene_.options);
 }
 
-void FrameRenderer::measure_depths() {
+/// Finishes the depth map, and darkens the picture by it (Luft et al. 2006), if the options ask for them.
+void FrameRenderer::finish_depths(Picture& picture) {
   Stopwatch watch;
-  if (scene_.options.depths || cues_depth(scene_.options)) {
+  if (needs_depths()) {
     const ViewDepth view_depth(scene_.view, scene_.grid);
-    buffers_.depths.clear(scene_.options.size);
-    add_surface_depths(buffers_.fragments, buffers_.faces, shown(), view_depth, buffers_.depths, pool_);
+    add_face_depths(buffers_.faces, shown(), view_depth, buffers_.depths, pool_);
     add_volume_depths(view_depth);
   }
+  if (cues_depth(scene_.options)) {
+    darken_edges(buffers_.depths, depth_edges(scene_.view.plane, scene_.options.depth_cue_strength), picture,
+                 pool_);
+  }
   stats_.depth_cue = watch.lap();
-}
-
-void FrameRenderer::cue_depth(Picture& picture) {
-  if (!cues_depth(scene_.options)) return;
-  Stopwatch watch;
-  darken_edges(buffers_.depths, depth_edges(scene_.view.plane, scene_.options.depth_cue_strength), picture,
-               pool_);
-  stats_.depth_cue += watch.lap();
 }
 
 ShownFrame FrameRenderer::shown() const {
@@ -220,26 +275,37 @@ ShownFrame FrameRenderer::shown() const {
 }
 
 Result<void> rasterize_again(const ShownFrame& frame, std::span<const SurfaceDraw> surfaces, const Grid& grid,
-                             FrameBuffers& buffers, ThreadPool& pool) {
+                             const PixelBox& region, FrameBuffers& buffers, ThreadPool& pool) {
   const ParallelView& plane = frame.view.plane;
   const Lighting lighting(plane);
   SPLATLAS_ASSIGN_OR_RETURN(
-      const RasterScene scene,
+      RasterScene scene,
       frame.sheets ? raster_scene(surfaces, plane, factorise(plane, grid, &*frame.sheets), grid, lighting)
                    : raster_scene_of_rays(surfaces, frame.view, grid, lighting));
-  SPLATLAS_RETURN_IF_ERROR(draw_surfaces(scene, frame, grid, buffers, nullptr, nullptr, pool));
+  scene.region = region;
+  SurfaceCuts cuts;
+  add_cuts(frame, grid, buffers.faces, cuts, scene, pool);
+  SPLATLAS_RETURN_IF_ERROR(draw_fragments(scene, frame.raster, cuts, buffers, pool));
   return {};
 }
 
-void add_surface_depths(const FragmentList& fragments, const FaceLayer& faces, const ShownFrame& frame,
-                        const ViewDepth& view, DepthMap& depths, ThreadPool& pool) {
-  const int width = depths.size.width;
-  const auto include = [&](std::size_t pixel, double x, double y, float depth) {
+namespace {
+
+/// Merges the depth of a sample of a pixel into a depth map.
+auto depth_merger(const ShownFrame& frame, const ViewDepth& view, DepthMap& depths) {
+  return [&](std::size_t pixel, double x, double y, float depth) {
     const auto mm =
         static_cast<float>(view.mm(x, y, frame.depth_axis, frame.depth_sign * static_cast<double>(depth)));
     depths.mm[pixel] = std::min(depths.mm[pixel], mm);
   };
-  // Find the depths of fragments and of faces around them
+}
+
+}  // namespace
+
+void add_surface_depths(const FragmentList& fragments, const ShownFrame& frame, const ViewDepth& view,
+                        DepthMap& depths, ThreadPool& pool) {
+  const int width = depths.size.width;
+  const auto include = depth_merger(frame, view, depths);
   const std::size_t rows = fragments.first_of_row.size() - 1;
   pool.for_each((rows + kRowsPerJob - 1) / kRowsPerJob, [&](std::size_t job) {
     const std::size_t end = fragments.first_of_row[std::min(rows, (job + 1) * kRowsPerJob)];
@@ -253,10 +319,13 @@ void add_surface_depths(const FragmentList& fragments, const FaceLayer& faces, c
       }
     }
   });
-  if (faces.empty()) return;
+}
 
-  // Find the depths of faces at pixel centres
-  const auto columns = static_cast<std::size_t>(width);
+void add_face_depths(const FaceLayer& faces, const ShownFrame& frame, const ViewDepth& view, DepthMap& depths,
+                     ThreadPool& pool) {
+  if (faces.empty()) return;
+  const auto include = depth_merger(frame, view, depths);
+  const auto columns = static_cast<std::size_t>(depths.size.width);
   pool.for_each(static_cast<std::size_t>(depths.size.height), [&](std::size_t row) {
     const FaceLayer::Extent shown = faces.shown[row];
     for (auto column = static_cast<std::size_t>(shown.first); column < static_cast<std::size_t>(shown.last);

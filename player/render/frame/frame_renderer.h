@@ -20,7 +20,6 @@
 #include "player/render/sheets/ids/sheet_shares.h"
 #include "player/render/sheets/sheet_ends.h"
 #include "player/render/sheets/warp/sheet_image.h"
-#include "player/render/surfaces/raster_scene.h"
 #include "player/render/surfaces/rasterize.h"
 #include "player/render/view/view_frame.h"
 
@@ -29,8 +28,7 @@ namespace splatlas {
 /// Buffers whose memory is reused by the next frame.
 struct FrameBuffers {
   Rasterizer rasterizer;
-  FragmentList fragments;
-  bool has_fragments = false;         ///< of the latest frame; false: it was painted without them
+  FragmentList fragments;             ///< of a region of the picture
   std::vector<float> surface_depths;  ///< by pixel, if rays end at opaque surfaces
   SheetEnds ends;                     ///< the same, by sheet pixel
   FaceLayer faces;                    ///< of a cut; empty: none
@@ -66,28 +64,20 @@ struct FrameScene {
 /// kUsage if the options ask for ids and the atlas has too many structures for them.
 [[nodiscard]] Result<void> check_ids(const RenderOptions& options, const Atlas& atlas);
 
-/// Stages of a frame; each sets its counter and its time in the statistics.
+/// The cut of a frame, for its surfaces.
+struct SurfaceCuts {
+  std::optional<CutRays> surfaces, of_faces;
+  std::optional<ViewFaces> faces;
+};
+
+/// Stages of a frame; each adds to its counter and its time in the statistics. A picture with fragments is
+/// drawn region by region, so that those of one region take memory.
 class FrameRenderer {
  public:
   virtual ~FrameRenderer() = default;
 
   /// Runs all stages in order. `volume_loops`: loops of render_volume(), for progress.
   [[nodiscard]] Result<void> run(std::size_t volume_loops, TaskControl& task, Picture& picture);
-
-  /// Rasterises surfaces to fragments, or into the picture if nothing else needs them. kUsage when the field
-  /// of view is too wide for surfaces; kLimit for too many fragments.
-  [[nodiscard]] Result<void> rasterize(Picture& picture);
-  /// Renders the volume: into the sheet, or by a ray for each pixel of the picture. kLimit when the sheet is
-  /// too large.
-  [[nodiscard]] virtual Result<void> render_volume(Picture& picture) = 0;
-  /// Composites the fragments with the segments of the volume between them. Warps the sheet into the picture.
-  virtual void resolve(Picture& picture) = 0;
-  /// Finds the id image of the resolved picture, if the options ask for it.
-  virtual void resolve_ids(const Picture& picture) = 0;
-  /// Finds the depth map, if the options ask for it or for a depth cue.
-  void measure_depths();
-  /// Depth darkening (Luft et al. 2006) of the finished picture, if the options ask for it.
-  void cue_depth(Picture& picture);
 
   [[nodiscard]] ShownFrame shown() const;
 
@@ -103,15 +93,23 @@ class FrameRenderer {
   [[nodiscard]] const FaceLayer* faces() const { return buffers_.faces.empty() ? nullptr : &buffers_.faces; }
 
   [[nodiscard]] virtual Result<RasterScene> raster_scene_of_view() const = 0;
+  /// Prepares the volume of the frame, or renders it into the picture by a ray for each pixel. kLimit when
+  /// the sheet is too large.
+  [[nodiscard]] virtual Result<void> begin_volume(Picture& picture) = 0;
+  /// Composites the fragments of a region with the segments of the volume between them, and finds its ids, if
+  /// the options ask for them.
+  [[nodiscard]] virtual Result<void> resolve(const PixelBox& region, Picture& picture) = 0;
+  /// Finishes the id image of the picture.
+  virtual void finish_ids(const Picture& picture) = 0;
   /// Merges the depths of the volume into the depth map of the buffers.
   virtual void add_volume_depths(const ViewDepth& view_depth) = 0;
+  [[nodiscard]] bool needs_depths() const;
   [[nodiscard]] bool paints_surfaces() const;
   [[nodiscard]] bool all_opaque() const;
   /// True if the frame needs no fragments because rays end at opaque surfaces.
   [[nodiscard]] bool ends_at_surfaces() const;
-  /// Converts the depths of surfaces to voxels of the volume's level. The fragments are no longer those of
-  /// the grid, for picks.
-  void scale_depths(int level);
+  /// Level of the volume: voxels, or blocks of 2^level voxels along each axis.
+  [[nodiscard]] virtual int level() const = 0;
   /// Voxels that contribute to the volume.
   [[nodiscard]] virtual std::uint64_t voxels() const = 0;
   /// Normal of the slices; none for rays.
@@ -124,18 +122,26 @@ class FrameRenderer {
   std::optional<RasterScene> raster_;
 
  private:
+  [[nodiscard]] Result<void> begin_surfaces(Picture& picture);
+  [[nodiscard]] Result<void> draw_region(const PixelBox& region, Picture& picture);
+  [[nodiscard]] float in_volume(float depth) const;
+  void finish_depths(Picture& picture);
+
   std::optional<CutRays> cuts_;
+  SurfaceCuts surface_cuts_;
 };
 
-/// Rasterises the surfaces of an earlier frame again, with the same fragments. Fails only as that frame
-/// would.
+/// Makes the fragments of a region of an earlier frame again.
 [[nodiscard]] Result<void> rasterize_again(const ShownFrame& frame, std::span<const SurfaceDraw> surfaces,
-                                           const Grid& grid, FrameBuffers& buffers, ThreadPool& pool);
+                                           const Grid& grid, const PixelBox& region, FrameBuffers& buffers,
+                                           ThreadPool& pool);
 
-/// Merges the depths of surfaces and of faces of cuts into `depths` by minimum. The depth of a sample is that
-/// of the fragment at which its transmittance falls to one half; a pixel takes its nearest sample.
-/// O(fragments).
-void add_surface_depths(const FragmentList& fragments, const FaceLayer& faces, const ShownFrame& frame,
-                        const ViewDepth& view, DepthMap& depths, ThreadPool& pool);
+/// Merges the depths of surfaces into `depths` by minimum. The depth of a sample is that of the fragment at
+/// which its transmittance falls to one half; a pixel takes its nearest sample. O(fragments).
+void add_surface_depths(const FragmentList& fragments, const ShownFrame& frame, const ViewDepth& view,
+                        DepthMap& depths, ThreadPool& pool);
+/// The same for the faces of cuts. O(pixels).
+void add_face_depths(const FaceLayer& faces, const ShownFrame& frame, const ViewDepth& view, DepthMap& depths,
+                     ThreadPool& pool);
 
 }  // namespace splatlas

@@ -62,12 +62,11 @@ Result<RasterScene> RayFrame::raster_scene_of_view() const {
   return raster_scene_of_rays(scene_.surfaces, scene_.view, scene_.grid, scene_.lighting);
 }
 
-Result<void> RayFrame::render_volume(Picture& picture) {
+Result<void> RayFrame::begin_volume(Picture& picture) {
   Stopwatch watch;
   options_.cuts = cuts();
   options_.faces = faces();
   if (scene_.options.ids) options_.ids = &buffers_.ids;
-  scale_depths(of_volume_.level);
   const RayEnds ends{buffers_.surface_depths, *raster_};
   CastOptions options = options_;
   if (ends_at_surfaces()) options.ends = &ends;
@@ -77,22 +76,19 @@ Result<void> RayFrame::render_volume(Picture& picture) {
   return {};
 }
 
-void RayFrame::resolve(Picture& picture) {
+Result<void> RayFrame::resolve(const PixelBox& /*region*/, Picture& picture) {
   Stopwatch watch;
   cast_surfaces(of_volume_.volume, scene_.view, of_volume_.grid, *raster_, buffers_.fragments, options_,
                 kernels_, picture, pool_);
-  stats_.resolve = watch.lap();
+  stats_.resolve += watch.lap();
+  return {};
 }
 
-void RayFrame::resolve_ids(const Picture& picture) {
-  Stopwatch watch;
-  if (scene_.options.ids) {
-    std::vector<StructureNumber>& numbers = buffers_.ids.numbers;
-    for (std::size_t n = 0; n < numbers.size(); ++n) {
-      if (picture.rgba[4 * n + 3] < kMinIdOpacity) numbers[n] = 0;
-    }
+void RayFrame::finish_ids(const Picture& picture) {
+  std::vector<StructureNumber>& numbers = buffers_.ids.numbers;
+  for (std::size_t n = 0; n < numbers.size(); ++n) {
+    if (picture.rgba[4 * n + 3] < kMinIdOpacity) numbers[n] = 0;
   }
-  stats_.ids = watch.lap();
 }
 
 void RayFrame::add_volume_depths(const ViewDepth& view_depth) {

@@ -21,13 +21,13 @@ class RayFrame : public FrameRenderer {
   RayFrame(const FrameScene& scene, const RayScene& of_volume, FrameBuffers& buffers, RenderStats& stats,
            ThreadPool& pool);
 
-  [[nodiscard]] Result<void> render_volume(Picture& picture) override;
-  void resolve(Picture& picture) override;
-  void resolve_ids(const Picture& picture) override;
-
  private:
   [[nodiscard]] Result<RasterScene> raster_scene_of_view() const override;
+  [[nodiscard]] Result<void> begin_volume(Picture& picture) override;
+  [[nodiscard]] Result<void> resolve(const PixelBox& region, Picture& picture) override;
+  void finish_ids(const Picture& picture) override;
   void add_volume_depths(const ViewDepth& view_depth) override;
+  [[nodiscard]] int level() const override { return of_volume_.level; }
   [[nodiscard]] std::uint64_t voxels() const override { return of_volume_.volume.voxels(); }
   [[nodiscard]] std::optional<Axis> slice_axis() const override { return std::nullopt; }
 

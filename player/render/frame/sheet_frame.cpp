@@ -96,15 +96,32 @@ Result<RasterScene> SheetFrame::raster_scene_of_view() const {
   return raster_scene(scene_.surfaces, scene_.view.plane, volume_.shear, scene_.grid, scene_.lighting);
 }
 
-Result<void> SheetFrame::render_volume(Picture& /*picture*/) {
-  Stopwatch watch;
-  const RenderOptions& options = scene_.options;
+Result<void> SheetFrame::begin_volume(Picture& picture) {
+  if (scene_.options.ids) {
+    buffers_.ids.size = picture.size;
+    buffers_.ids.numbers.resize(picture.rgba.size() / 4);
+  }
   SPLATLAS_ASSIGN_OR_RETURN(
-      const SheetWindow window,
-      choose_window(volume_, sampling_of(volume_, options.quality), options.size, planes()));
+      window_, choose_window(volume_, sampling_of(volume_, scene_.options.quality), picture.size, planes()));
+  return {};
+}
+
+Result<void> SheetFrame::resolve(const PixelBox& region, Picture& picture) {
+  Stopwatch watch;
+  render_sheet(part_of_window(window_, volume_.shear, region));
+  stats_.sheets += watch.lap();
+  splatlas::resolve(buffers_.sheet, volume_.shear, fragments(), region,
+                    scene_.overrides.simd ? best_warp() : scalar_warp(), paints_surfaces(), picture, pool_);
+  stats_.resolve += watch.lap();
+  if (scene_.options.ids) resolve_ids(region, picture);
+  stats_.ids += watch.lap();
+  return {};
+}
+
+void SheetFrame::render_sheet(const SheetWindow& window) {
+  const RenderOptions& options = scene_.options;
   const auto& [spans, runs, shear, grid, detail] = volume_;
   check_memory(bytes_of_sheet(window, spans.frame()));
-  scale_depths(detail.level);
   buffers_.order.build(buffers_.fragments, shear, window, options.size, grid, pool_);
   const bool has_ends = ends_at_surfaces();
   if (has_ends)
@@ -112,43 +129,26 @@ Result<void> SheetFrame::render_volume(Picture& /*picture*/) {
   // The positive weights of the cubic kernel sum to at most 1.28, which amplifies the error of the sheet.
   const float threshold = termination_threshold(options) / (window.cubic ? 1.3f : 1.0f);
   const SplatKernels& kernels = scene_.overrides.simd ? best_kernels() : scalar_kernels();
-  stats_.voxels_visited = render_sheets(spans, shear, window, kernels, threshold, planes(), buffers_.order,
-                                        buffers_.sheet, pool_, nullptr, has_ends ? &buffers_.ends : nullptr);
-  stats_.sheets = watch.lap();
-  return {};
-}
-
-void SheetFrame::resolve(Picture& picture) {
-  Stopwatch watch;
-  splatlas::resolve(buffers_.sheet, volume_.shear, fragments(), scene_.options.size,
-                    scene_.overrides.simd ? best_warp() : scalar_warp(), paints_surfaces(), picture, pool_);
-  stats_.resolve = watch.lap();
-}
-
-void SheetFrame::resolve_ids(const Picture& picture) {
-  Stopwatch watch;
-  if (scene_.options.ids) {
-    render_shares();
-    splatlas::resolve_ids(buffers_.shares, volume_.shear, fragments(), buffers_.fragment_shares, picture,
-                          buffers_.ids, pool_);
-  }
-  stats_.ids = watch.lap();
+  stats_.voxels_visited += render_sheets(spans, shear, window, kernels, threshold, planes(), buffers_.order,
+                                         buffers_.sheet, pool_, nullptr, has_ends ? &buffers_.ends : nullptr);
 }
 
 /// Renders sheets again for the shares of structures: one sample a pixel and one slab a slice suffice.
-void SheetFrame::render_shares() {
+void SheetFrame::resolve_ids(const PixelBox& region, const Picture& picture) {
   const auto& [spans, runs, shear, grid, detail] = volume_;
   const RenderOptions& options = scene_.options;
   SheetSampling sampling = sampling_of(volume_, options.quality);
   const auto pixels = static_cast<int>(std::ceil(std::min(shear.voxel_pixels(), 1e3) - 0.25));
   sampling = {std::clamp(pixels, 1, sampling.scale), 1, false};
-  const SheetWindow window =
-      choose_window(volume_, sampling, options.size, planes()).value();  // the finer fits
+  const SheetWindow window = part_of_window(choose_window(volume_, sampling, options.size, planes()).value(),
+                                            shear, region);  // the finer fits
   buffers_.order.build(buffers_.fragments, shear, window, options.size, grid, pool_);
   SharePass shares{{*runs, scene_.numbers}, buffers_.shares, buffers_.fragment_shares};
   const SplatKernels& kernels = scene_.overrides.simd ? best_kernels() : scalar_kernels();
   static_cast<void>(render_sheets(spans, shear, window, kernels, termination_threshold(options), planes(),
                                   buffers_.order, buffers_.sheet, pool_, &shares));
+  splatlas::resolve_ids(buffers_.shares, shear, fragments(), buffers_.fragment_shares, region, picture,
+                        buffers_.ids, pool_);
 }
 
 void SheetFrame::add_volume_depths(const ViewDepth& view_depth) {

@@ -69,7 +69,38 @@ SheetExtent kept_extent(std::span<const VoxelPlane> planes, const Vec3& first, c
   return extent;
 }
 
+/// Extent of a region of the picture, padded for interpolation.
+SheetExtent shown_extent(const Shear& shear, const PixelBox& region, bool cubic) {
+  const double around = cubic ? 2 : 1;
+  const Affine2& map = shear.picture_to_sheet;
+  const auto shown = [&](double per_x, double per_y, double origin) {
+    const double at = origin + per_x * region.x_first + per_y * region.y_first;
+    const double x = per_x * region.width(), y = per_y * region.height();
+    return std::pair(at + std::min(x, 0.0) + std::min(y, 0.0) - around,
+                     at + std::max(x, 0.0) + std::max(y, 0.0) + around);
+  };
+  const auto [u_min, u_max] = shown(map.xx, map.xy, map.x0);
+  const auto [v_min, v_max] = shown(map.yx, map.yy, map.y0);
+  return {u_min, u_max, v_min, v_max};
+}
+
 }  // namespace
+
+SheetWindow part_of_window(const SheetWindow& window, const Shear& shear, const PixelBox& region) {
+  SheetWindow part = window;
+  const SheetExtent shown = shown_extent(shear, region, window.cubic);
+  const auto voxel = [](double at, std::int64_t first, std::int64_t count) {
+    return static_cast<std::int64_t>(
+        std::clamp(at, static_cast<double>(first), static_cast<double>(first + count)));
+  };
+  const std::int64_t u = voxel(std::floor(shown.u_min), window.u0, window.columns);
+  part.u0 = window.u0 + (u - window.u0) / kBlock * kBlock;
+  part.v0 = voxel(std::floor(shown.v_min), window.v0, window.rows);
+  part.columns = voxel(std::ceil(shown.u_max) + 1, window.u0, window.columns) - part.u0;
+  part.rows = voxel(std::ceil(shown.v_max) + 1, window.v0, window.rows) - part.v0;
+  if (part.empty()) part.columns = part.rows = 0;
+  return part;
+}
 
 SheetWindow sheet_window(const SpanModel& model, const Shear& shear, const PictureSize& size,
                          const SheetSampling& sampling, std::span<const VoxelPlane> planes) {
@@ -105,17 +136,7 @@ SheetWindow sheet_window(const SpanModel& model, const Shear& shear, const Pictu
     v_max = std::min(v_max, kept.v_max);
   }
 
-  // Intersect with the picture, padded for interpolation
-  const double around = sampling.cubic ? 2 : 1;
-  const Affine2& map = shear.picture_to_sheet;
-  const auto shown = [&](double per_x, double per_y, double origin) {
-    const double x = per_x * size.width;
-    const double y = per_y * size.height;
-    return std::pair(origin + std::min(x, 0.0) + std::min(y, 0.0) - around,
-                     origin + std::max(x, 0.0) + std::max(y, 0.0) + around);
-  };
-  const auto [u_low, u_high] = shown(map.xx, map.xy, map.x0);
-  const auto [v_low, v_high] = shown(map.yx, map.yy, map.y0);
+  const auto [u_low, u_high, v_low, v_high] = shown_extent(shear, PixelBox::of(size), sampling.cubic);
   u_min = std::max(u_min, u_low);
   u_max = std::min(u_max, u_high);
   v_min = std::max(v_min, v_low);

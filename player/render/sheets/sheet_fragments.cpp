@@ -31,21 +31,6 @@ void SheetFragments::set_next(Cursor& cursor, std::size_t next) const {
   cursor.next_slab = next < cursor.end ? order_.entry(next).slab : kNoMore;
 }
 
-Radiance SheetFragments::share(const FragmentOrder::Entry& entry, bool row_is_below,
-                               const AccumulatedRow& row) const {
-  const float left = entry.weights[row_is_below ? 2 : 0];
-  const float right = entry.weights[row_is_below ? 3 : 1];
-  const float* left_pixel = row.first + entry.phase * row.phase_stride + entry.column;
-  const float* right_pixel =
-      entry.phase + 1 < scale_ ? left_pixel + row.phase_stride : row.first + entry.column + 1;
-  Radiance radiance;
-  for (std::int64_t c = 0; c < row.planes; ++c) {
-    const std::int64_t plane = c * row.plane_stride;
-    radiance.rgba[static_cast<std::size_t>(c)] = left * left_pixel[plane] + right * right_pixel[plane];
-  }
-  return row.planes == 4 ? radiance : in_color(radiance.rgba[0], radiance.rgba[1], color_);
-}
-
 void SheetFragments::merge() {
   const std::size_t first = order_.row_begin(first_ - 1);
   for (std::size_t n = 0; n < deferred_.size(); ++n) {

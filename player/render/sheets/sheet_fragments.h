@@ -93,7 +93,17 @@ class SheetFragments {
   }
   /// The row's contribution to the interpolated radiance in front of a fragment.
   [[nodiscard]] Radiance share(const FragmentOrder::Entry& entry, bool row_is_below,
-                               const AccumulatedRow& row) const;
+                               const AccumulatedRow& row) const {
+    const float left = entry.weights[row_is_below ? 2 : 0];
+    const float right = entry.weights[row_is_below ? 3 : 1];
+    const float* left_pixel = row.first + entry.phase * row.phase_stride + entry.column;
+    const float* right_pixel =
+        entry.phase + 1 < scale_ ? left_pixel + row.phase_stride : row.first + entry.column + 1;
+    const auto at = [&](std::int64_t plane) {
+      return left * left_pixel[plane * row.plane_stride] + right * right_pixel[plane * row.plane_stride];
+    };
+    return row.planes == 4 ? Radiance{{at(0), at(1), at(2), at(3)}} : in_color(at(0), at(1), color_);
+  }
 
   FragmentOrder& order_;
   std::int64_t first_;

@@ -9,6 +9,7 @@ RasterScene raster_scene(std::span<const SurfaceDraw> surfaces, const ParallelVi
   const double voxels_per_mm = std::abs(along[shear.scan.slice_axis]);
   return {surfaces,
           view.size,
+          PixelBox::of(view.size),
           Projection(view, grid),
           lighting,
           shear.scan.slice_axis,

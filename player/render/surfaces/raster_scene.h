@@ -14,6 +14,7 @@
 #include "player/render/clip/face_layer.h"
 #include "player/render/decode/surface_clusters.h"
 #include "player/render/transfer/shading.h"
+#include "player/render/view/pixel_box.h"
 #include "player/render/view/shear.h"
 #include "player/render/view/view_frame.h"
 
@@ -35,6 +36,7 @@ struct SurfaceDraw {
 struct RasterScene {
   std::span<const SurfaceDraw> surfaces;
   PictureSize size;
+  PixelBox region;  ///< pixels to draw, within the picture
   Projection projection;
   const Lighting& lighting;
   std::size_t depth_axis = 2;        ///< axis of the grid: depth_axis() of the view
@@ -43,7 +45,7 @@ struct RasterScene {
   const CutRays* cuts = nullptr;     ///< clips surfaces; null: no cut
   const FaceLayer* faces = nullptr;  ///< of the pixel centres; null: none
 };
-/// The scene of a parallel view; arguments must outlive it.
+/// The scene of a whole parallel view; arguments must outlive it.
 [[nodiscard]] RasterScene raster_scene(std::span<const SurfaceDraw> surfaces, const ParallelView& view,
                                        const Shear& shear, const Grid& grid, const Lighting& lighting);
 

@@ -10,14 +10,16 @@
 namespace splatlas {
 namespace {
 
-std::size_t pixels_of(const RasterScene& scene) {
-  return static_cast<std::size_t>(scene.size.width) * static_cast<std::size_t>(scene.size.height);
-}
-
 std::uint64_t triangles_of(const RasterScene& scene) {
   std::uint64_t triangles = 0;
   for (const SurfaceDraw& surface : scene.surfaces) triangles += surface.mesh->triangles.size();
   return triangles;
+}
+
+/// Its memory is kept for the next tile: page faults would cost more than the tile.
+TileRasterizer& worker_of_thread() {
+  static thread_local TileRasterizer worker;
+  return worker;
 }
 
 }  // namespace
@@ -50,127 +52,104 @@ Result<std::uint64_t> Rasterizer::draw(const RasterScene& scene, const RasterOpt
   const std::uint64_t triangles = triangles_of(scene);
   out.clear(scene.size);
   if (triangles == 0 && (scene.faces == nullptr || options.edge_samples == 1)) return triangles;
-  SPLATLAS_RETURN_IF_ERROR(draw_tiles(scene, options, nullptr, pool));
-  merge_tiles(scene, out, pool);
+  // Edges need the neighbours of the region's pixels
+  RasterScene with_neighbours = scene;
+  if (options.edge_samples > 1)
+    with_neighbours.region = intersection(scene.region.grown(1), PixelBox::of(scene.size));
+  SPLATLAS_RETURN_IF_ERROR(draw_tiles(with_neighbours, options, nullptr, pool));
+  merge_tiles(scene, with_neighbours.region, out, pool);
   return triangles;
 }
 
 Result<std::uint64_t> Rasterizer::paint(const RasterScene& scene, const RasterOptions& options,
                                         Picture& picture, std::vector<float>* depths, ThreadPool& pool) {
   picture.size = scene.size;
-  picture.rgba.resize(4 * pixels_of(scene));
-  PaintedPicture painted{picture.rgba, {}};
-  if (depths != nullptr) {
-    depths->resize(pixels_of(scene));
-    painted.depths = *depths;
-  }
-  SPLATLAS_RETURN_IF_ERROR(draw_tiles(scene, options, &painted, pool));
+  picture.rgba.resize(4 * scene.region.pixels());
+  if (depths != nullptr) depths->resize(scene.region.pixels());
+  const PaintTile paint = [&](TileRasterizer& tile) { tile.paint(picture.rgba, depths); };
+  SPLATLAS_RETURN_IF_ERROR(draw_tiles(scene, options, &paint, pool));
   return triangles_of(scene);
 }
 
 Result<void> Rasterizer::draw_tiles(const RasterScene& scene, const RasterOptions& options,
-                                    const PaintedPicture* painted, ThreadPool& pool) {
+                                    const PaintTile* paint, ThreadPool& pool) {
   Count count{options.max_fragments};
   bins_.fill(scene, pool);
-  if (draw_centers(scene, options, painted, count, pool) && draw_edges(scene, options, painted, count, pool))
-    return {};
+
+  // Draw the centres of all pixels
+  centers_.resize(bins_.tiles());
+  seen_.resize(options.edge_samples > 1 ? scene.region.pixels() : 0);
+  pool.for_each(centers_.size(), [&](std::size_t n) {
+    TileRasterizer& worker = worker_of_thread();
+    worker.begin(scene, bins_.box(n), {options.termination_threshold, paint == nullptr, seen_});
+    draw_and_finish(n, worker, paint, centers_[n], count);
+  });
+
+  // Draw the samples of pixels at edges
+  edges_.resize(options.edge_samples > 1 ? bins_.tiles() : 0);
+  if (!edges_.empty() && !count.too_many) {
+    pattern_ = sample_pattern(options.edge_samples);
+    find_edge_pixels(seen_, {scene.region.width(), scene.region.height()}, scene.pixel_voxels, is_edge_,
+                     pool);
+    pool.for_each(edges_.size(), [&](std::size_t n) {
+      TileRasterizer& worker = worker_of_thread();
+      worker.begin_edges(scene, bins_.box(n), is_edge_, pattern_,
+                         {options.termination_threshold, paint == nullptr, {}});
+      count.add(paint != nullptr ? 0 : worker.slots());
+      draw_and_finish(n, worker, paint, edges_[n], count);
+    });
+  }
+  if (!count.too_many) return {};
   return fail(ErrorCode::kLimit,
               "the surfaces leave more than {} fragments in this picture, too many for the memory allowed; "
               "make it smaller, select fewer translucent surfaces, or raise --memory",
               options.max_fragments);
 }
 
-bool Rasterizer::draw_centers(const RasterScene& scene, const RasterOptions& options,
-                              const PaintedPicture* painted, Count& count, ThreadPool& pool) {
-  centers_.resize(bins_.tiles());
-  seen_.resize(options.edge_samples > 1 ? pixels_of(scene) : 0);
-  pool.for_each(centers_.size(), [&](std::size_t n) {
-    std::unique_ptr<TileRasterizer> worker = take_worker();
-    worker->begin(scene, bins_.box(n), {options.termination_threshold, painted == nullptr, seen_});
-    draw_and_finish(n, *worker, painted, centers_[n], count);
-    give_back(std::move(worker));
-  });
-  return !count.too_many;
-}
-
-bool Rasterizer::draw_edges(const RasterScene& scene, const RasterOptions& options,
-                            const PaintedPicture* painted, Count& count, ThreadPool& pool) {
-  edges_.resize(options.edge_samples > 1 ? bins_.tiles() : 0);
-  if (edges_.empty()) return true;
-  pattern_ = sample_pattern(options.edge_samples);
-  find_edge_pixels(seen_, scene.size, scene.pixel_voxels, is_edge_, pool);
-  pool.for_each(edges_.size(), [&](std::size_t n) {
-    std::unique_ptr<TileRasterizer> worker = take_worker();
-    worker->begin_edges(scene, bins_.box(n), is_edge_, pattern_,
-                        {options.termination_threshold, painted == nullptr});
-    count.add(painted != nullptr ? 0 : worker->slots());
-    draw_and_finish(n, *worker, painted, edges_[n], count);
-    give_back(std::move(worker));
-  });
-  return !count.too_many;
-}
-
-/// False if there are too many fragments.
-bool Rasterizer::draw_tile(std::size_t tile, TileRasterizer& worker, Count& count) const {
+void Rasterizer::draw_and_finish(std::size_t tile, TileRasterizer& worker, const PaintTile* paint,
+                                 TileFragments& out, Count& count) const {
   for (const TileCluster& of : bins_.of_tile(tile)) {
     if (worker.fragments() > count.limit) count.too_many = true;
-    if (count.too_many.load(std::memory_order_relaxed)) return false;
+    if (count.too_many.load(std::memory_order_relaxed)) return;
     worker.draw(of);
   }
-  return !count.too_many;
-}
-
-void Rasterizer::draw_and_finish(std::size_t tile, TileRasterizer& worker, const PaintedPicture* painted,
-                                 TileFragments& out, Count& count) const {
-  if (!draw_tile(tile, worker, count)) return;
-  if (painted != nullptr) {
-    worker.paint(*painted);
-    return;
-  }
+  if (paint != nullptr) return (*paint)(worker);
   worker.finish(out);
   count.add(out.fragments.size());
 }
 
-std::unique_ptr<TileRasterizer> Rasterizer::take_worker() {
-  const std::lock_guard lock(workers_->mutex);
-  if (workers_->idle.empty()) return std::make_unique<TileRasterizer>();
-  std::unique_ptr<TileRasterizer> worker = std::move(workers_->idle.back());
-  workers_->idle.pop_back();
-  return worker;
-}
-
-void Rasterizer::give_back(std::unique_ptr<TileRasterizer> worker) {
-  const std::lock_guard lock(workers_->mutex);
-  workers_->idle.push_back(std::move(worker));
-}
-
 template <typename Visit>
-void Rasterizer::for_each_sample(std::size_t tile_row, const RasterScene& scene, const Visit& visit) const {
+void Rasterizer::for_each_sample(std::size_t tile_row, const RasterScene& scene, const PixelBox& drawn,
+                                 const Visit& visit) const {
   const std::size_t first_tile = tile_row * bins_.columns();
   const PixelBox rows = bins_.box(first_tile);
   std::vector<std::size_t> edge_slots(bins_.columns());  // next slot of each tile
   for (std::int32_t y = rows.y_first; y <= rows.y_last; ++y) {
+    const std::size_t picture_row = static_cast<std::size_t>(y) * static_cast<std::size_t>(scene.size.width);
     for (std::size_t column = 0; column < bins_.columns(); ++column) {
       const std::size_t tile = first_tile + column;
       const PixelBox box = bins_.box(tile);
-      std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(scene.size.width) +
-                          static_cast<std::size_t>(box.x_first);
       auto slot = static_cast<std::size_t>(y - box.y_first) * TileRasterizer::kStride;
-      for (std::int32_t x = box.x_first; x <= box.x_last; ++x, ++pixel, ++slot) {
-        if (edges_.empty() || is_edge_[pixel] == 0) {
+      for (std::int32_t x = box.x_first; x <= box.x_last; ++x, ++slot) {
+        const bool is_inside = scene.region.contains(x, y);
+        const std::size_t pixel = picture_row + static_cast<std::size_t>(x);
+        if (edges_.empty() || is_edge_[drawn.place(x, y)] == 0) {
           const std::span<const Fragment> fragments = centers_[tile].of_slot(slot);
-          if (!fragments.empty()) visit(pixel, SubPixel{}, fragments);
+          if (is_inside && !fragments.empty()) visit(pixel, SubPixel{}, fragments);
           continue;
         }
-        for (const SubPixel& place : pattern_)
-          visit(pixel, place, edges_[tile].of_slot(edge_slots[column]++));
+        for (const SubPixel& place : pattern_) {
+          const std::size_t of_edge = edge_slots[column]++;
+          if (is_inside) visit(pixel, place, edges_[tile].of_slot(of_edge));
+        }
       }
     }
   }
 }
 
 /// Concatenates the samples and fragments of all tiles.
-void Rasterizer::merge_tiles(const RasterScene& scene, FragmentList& out, ThreadPool& pool) const {
+void Rasterizer::merge_tiles(const RasterScene& scene, const PixelBox& drawn, FragmentList& out,
+                             ThreadPool& pool) const {
   // Count samples and fragments of each row of tiles, and compute prefix sums
   struct Begin {
     std::size_t sample = 0, fragment = 0;
@@ -178,7 +157,7 @@ void Rasterizer::merge_tiles(const RasterScene& scene, FragmentList& out, Thread
   std::vector<Begin> begin(bins_.rows() + 1);
   pool.for_each(bins_.rows(), [&](std::size_t n) {
     Begin sum;
-    for_each_sample(n, scene, [&](std::size_t, const SubPixel&, std::span<const Fragment> fragments) {
+    for_each_sample(n, scene, drawn, [&](std::size_t, const SubPixel&, std::span<const Fragment> fragments) {
       ++sum.sample;
       sum.fragment += fragments.size();
     });
@@ -198,17 +177,19 @@ void Rasterizer::merge_tiles(const RasterScene& scene, FragmentList& out, Thread
     std::size_t sample = begin[n].sample, fragment = begin[n].fragment;
     const PixelBox rows = bins_.box(n * bins_.columns());
     auto row = static_cast<std::size_t>(rows.y_first);  // next row without an offset
-    for_each_sample(n, scene, [&](std::size_t pixel, const SubPixel& place, std::span<const Fragment> from) {
-      for (; row <= pixel / width; ++row) out.first_of_row[row] = static_cast<std::uint32_t>(sample);
-      out.samples[sample++] = {static_cast<std::uint32_t>(pixel), static_cast<std::uint32_t>(fragment),
-                               place};
-      std::copy(from.begin(), from.end(), out.fragments.begin() + static_cast<std::ptrdiff_t>(fragment));
-      fragment += from.size();
-    });
+    for_each_sample(
+        n, scene, drawn, [&](std::size_t pixel, const SubPixel& place, std::span<const Fragment> from) {
+          for (; row <= pixel / width; ++row) out.first_of_row[row] = static_cast<std::uint32_t>(sample);
+          out.samples[sample++] = {static_cast<std::uint32_t>(pixel), static_cast<std::uint32_t>(fragment),
+                                   place};
+          std::copy(from.begin(), from.end(), out.fragments.begin() + static_cast<std::ptrdiff_t>(fragment));
+          fragment += from.size();
+        });
     for (; row <= static_cast<std::size_t>(rows.y_last); ++row)
       out.first_of_row[row] = static_cast<std::uint32_t>(sample);
   });
-  out.first_of_row.back() = static_cast<std::uint32_t>(begin.back().sample);
+  std::fill(out.first_of_row.begin() + drawn.y_last + 1, out.first_of_row.end(),
+            static_cast<std::uint32_t>(begin.back().sample));
 }
 
 }  // namespace splatlas

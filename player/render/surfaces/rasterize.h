@@ -1,9 +1,8 @@
 // Rasteriser of surfaces into an A-buffer, or into a picture.
 #pragma once
 
+#include <functional>
 #include <limits>
-#include <memory>
-#include <mutex>
 #include <span>
 #include <vector>
 
@@ -37,51 +36,42 @@ struct RasterOptions {
 /// rasterised again with a supersampling pattern. Keeps its memory from frame to frame. Not thread-safe.
 class Rasterizer {
  public:
-  /// Rasterises all surfaces and returns the number of their triangles; kLimit for more than `max_fragments`,
+  /// Rasterises all surfaces in the region and returns the number of their triangles; kLimit for more than
+  /// `max_fragments`,
   /// with the samples of edges. The result is independent of the number of threads. Cost: linear in vertices,
   /// triangles and visible fragments; those at edges count once per sample.
   [[nodiscard]] Result<std::uint64_t> draw(const RasterScene& scene, const RasterOptions& options,
                                            FragmentList& out, ThreadPool& pool);
-  /// Draws surfaces without faces of cuts, and without a volume between them: composites the fragments of
-  /// each sample, and replaces the picture by the means of the samples. `depths`: also makes the depth of
-  /// each pixel, infinite without surfaces, if all surfaces are opaque; null: not asked for. The same errors,
-  /// but the limit is that of each tile.
+  /// Draws surfaces in the whole picture, without faces of cuts, and without a volume between them:
+  /// composites the fragments of each sample, and replaces the picture by the means of the samples. `depths`:
+  /// also makes the depth of each pixel, infinite without surfaces, if all surfaces are opaque; null: not
+  /// asked for. The same errors, but the limit is that of each tile.
   [[nodiscard]] Result<std::uint64_t> paint(const RasterScene& scene, const RasterOptions& options,
                                             Picture& picture, std::vector<float>* depths, ThreadPool& pool);
 
  private:
   struct Count;
+  using PaintTile = std::function<void(TileRasterizer&)>;
 
-  /// Paints every sample, or keeps its fragments if `painted` is null.
+  /// Paints every sample, or keeps its fragments if `paint` is null.
   [[nodiscard]] Result<void> draw_tiles(const RasterScene& scene, const RasterOptions& options,
-                                        const PaintedPicture* painted, ThreadPool& pool);
-  bool draw_centers(const RasterScene& scene, const RasterOptions& options, const PaintedPicture* painted,
-                    Count& count, ThreadPool& pool);
-  bool draw_edges(const RasterScene& scene, const RasterOptions& options, const PaintedPicture* painted,
-                  Count& count, ThreadPool& pool);
-  bool draw_tile(std::size_t tile, TileRasterizer& worker, Count& count) const;
+                                        const PaintTile* paint, ThreadPool& pool);
   /// Draws a tile that `worker` has begun, and paints it or keeps its fragments in `out`.
-  void draw_and_finish(std::size_t tile, TileRasterizer& worker, const PaintedPicture* painted,
-                       TileFragments& out, Count& count) const;
-  /// Calls visit(pixel, place, fragments) for the samples of a row of tiles, in order of pixels.
+  void draw_and_finish(std::size_t tile, TileRasterizer& worker, const PaintTile* paint, TileFragments& out,
+                       Count& count) const;
+  /// Calls visit(pixel, place, fragments) for the samples of a row of tiles, in order of pixels. `drawn`: the
+  /// region of the scene, and neighbours.
   template <typename Visit>
-  void for_each_sample(std::size_t tile_row, const RasterScene& scene, const Visit& visit) const;
-  void merge_tiles(const RasterScene& scene, FragmentList& out, ThreadPool& pool) const;
-  [[nodiscard]] std::unique_ptr<TileRasterizer> take_worker();
-  void give_back(std::unique_ptr<TileRasterizer> worker);
-
-  /// Idle tile rasterisers, at most one per thread.
-  struct Workers {
-    std::mutex mutex;
-    std::vector<std::unique_ptr<TileRasterizer>> idle;
-  };
+  void for_each_sample(std::size_t tile_row, const RasterScene& scene, const PixelBox& drawn,
+                       const Visit& visit) const;
+  void merge_tiles(const RasterScene& scene, const PixelBox& drawn, FragmentList& out,
+                   ThreadPool& pool) const;
 
   TileBins bins_;
-  std::unique_ptr<Workers> workers_ = std::make_unique<Workers>();
   std::vector<TileFragments> centers_, edges_;  // by tile; edges_ is empty without supersampling
   std::span<const SubPixel> pattern_;           // of edge pixels
-  std::vector<SurfacesSeen> seen_;              // by pixel
-  std::vector<std::uint8_t> is_edge_;           // by pixel
+  std::vector<SurfacesSeen> seen_;              // by pixel of the region
+  std::vector<std::uint8_t> is_edge_;           // the same
 };
 
 }  // namespace splatlas

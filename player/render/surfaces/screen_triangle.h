@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "player/render/surfaces/clip_triangle.h"
+#include "player/render/view/pixel_box.h"
 #include "player/render/view/sample_pattern.h"
 #include "player/render/view/view_frame.h"
 
@@ -38,18 +39,6 @@ struct ScreenVertex {
     return static_cast<std::int32_t>(std::bit_cast<std::int64_t>(value * kSubPixels + kRounder));
   };
   return {rounded(point.x), rounded(point.y)};
-}
-
-/// Bounding box of pixels, with both ends included.
-struct PixelBox {
-  std::int32_t x_first = 0, x_last = -1, y_first = 0, y_last = -1;
-
-  [[nodiscard]] bool empty() const { return x_first > x_last || y_first > y_last; }
-};
-
-[[nodiscard]] inline PixelBox intersection(const PixelBox& a, const PixelBox& b) {
-  return {std::max(a.x_first, b.x_first), std::min(a.x_last, b.x_last), std::max(a.y_first, b.y_first),
-          std::min(a.y_last, b.y_last)};
 }
 
 /// Pixels with centres in the bounding box of a triangle, padded by `reach` (1/256 pixel).

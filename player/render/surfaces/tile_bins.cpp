@@ -18,10 +18,9 @@ std::array<float, 3> corner_of(const SurfaceClusters::Box& box, unsigned corner)
   return p;
 }
 
-/// Pixels that may show a box: none behind the near plane, the whole picture if the box meets that plane.
-PixelBox pixels_of(const SurfaceClusters::Box& box, const Projection& projection, const PictureSize& size) {
-  const PixelBox whole{0, size.width - 1, 0, size.height - 1};
-  double left = size.width, right = -1, top = size.height, bottom = -1;
+/// Pixels of a region that may show a box: none behind the near plane, all if the box meets that plane.
+PixelBox pixels_of(const SurfaceClusters::Box& box, const Projection& projection, const PixelBox& region) {
+  double left = HUGE_VAL, right = -HUGE_VAL, top = HUGE_VAL, bottom = -HUGE_VAL;
   unsigned behind = 0;
   for (unsigned corner = 0; corner < 8; ++corner) {
     const ScreenPoint point = projection.homogeneous(corner_of(box, corner));
@@ -35,12 +34,14 @@ PixelBox pixels_of(const SurfaceClusters::Box& box, const Projection& projection
     bottom = std::max(bottom, point.y / point.w);
   }
   if (behind == 8) return {};
-  if (behind > 0) return whole;
-  const auto pixel = [](double at, int end) {
-    return static_cast<std::int32_t>(std::clamp(std::floor(at), -2.0, static_cast<double>(end)));
+  if (behind > 0) return region;
+  const auto pixel = [](double at, std::int32_t first, std::int32_t last) {
+    return static_cast<std::int32_t>(std::clamp(std::floor(at), first - 1.0, last + 1.0));
   };
-  return intersection(whole, {pixel(left - kPad, size.width), pixel(right + kPad, size.width),
-                              pixel(top - kPad, size.height), pixel(bottom + kPad, size.height)});
+  return intersection(region, {pixel(left - kPad, region.x_first, region.x_last),
+                               pixel(right + kPad, region.x_first, region.x_last),
+                               pixel(top - kPad, region.y_first, region.y_last),
+                               pixel(bottom + kPad, region.y_first, region.y_last)});
 }
 
 /// False if one plane removes the box; true if a plane may remove a part of it.
@@ -59,17 +60,19 @@ std::optional<bool> is_cut(const SurfaceClusters::Box& box, const CutRays* cuts)
 }  // namespace
 
 PixelBox TileBins::box(std::size_t tile) const {
-  const auto x = static_cast<std::int32_t>(tile % columns_) * kTileSide;
-  const auto y = static_cast<std::int32_t>(tile / columns_) * kTileSide;
-  return {x, std::min(x + kTileSide, size_.width) - 1, y, std::min(y + kTileSide, size_.height) - 1};
+  const std::int32_t x = region_.x_first + static_cast<std::int32_t>(tile % columns_) * kTileSide;
+  const std::int32_t y = region_.y_first + static_cast<std::int32_t>(tile / columns_) * kTileSide;
+  return intersection(region_, {x, x + kTileSide - 1, y, y + kTileSide - 1});
 }
 
 void TileBins::place(const RasterScene& scene, std::uint32_t surface, std::uint32_t cluster,
                      std::vector<Placed>& out) const {
   const SurfaceClusters::Box& box = (*scene.surfaces[surface].clusters)[cluster].box;
   if (box.low[0] > box.high[0] || box.low[1] > box.high[1] || box.low[2] > box.high[2]) return;
-  const PixelBox pixels = pixels_of(box, scene.projection, size_);
+  PixelBox pixels = pixels_of(box, scene.projection, region_);
   if (pixels.empty()) return;
+  pixels = {pixels.x_first - region_.x_first, pixels.x_last - region_.x_first,
+            pixels.y_first - region_.y_first, pixels.y_last - region_.y_first};
   const std::optional<bool> cut = is_cut(box, scene.cuts);
   if (!cut) return;
   const auto sign = static_cast<float>(scene.depth_sign);
@@ -92,9 +95,9 @@ void TileBins::fill(const RasterScene& scene, ThreadPool& pool) {
   const auto tiles_of = [](int pixels) {
     return (static_cast<std::size_t>(pixels) + kTileSide - 1) / kTileSide;
   };
-  size_ = scene.size;
-  rows_ = tiles_of(size_.height);
-  columns_ = tiles_of(size_.width);
+  region_ = scene.region;
+  rows_ = tiles_of(region_.height());
+  columns_ = tiles_of(region_.width());
 
   // Place clusters
   struct Job {

@@ -33,7 +33,7 @@ class TileBins {
   [[nodiscard]] std::size_t rows() const { return rows_; }
   [[nodiscard]] std::size_t columns() const { return columns_; }
   [[nodiscard]] std::size_t tiles() const { return rows_ * columns_; }
-  /// Pixels of a tile, within the picture.
+  /// Pixels of a tile, within the region of the scene.
   [[nodiscard]] PixelBox box(std::size_t tile) const;
   [[nodiscard]] std::span<const TileCluster> of_tile(std::size_t tile) const {
     return std::span(clusters_).subspan(first_of_tile_[tile],
@@ -48,7 +48,7 @@ class TileBins {
   void place(const RasterScene& scene, std::uint32_t surface, std::uint32_t cluster,
              std::vector<Placed>& out) const;
 
-  PictureSize size_{};
+  PixelBox region_;
   std::size_t rows_ = 0, columns_ = 0;
   std::vector<std::vector<Placed>> of_job_;
   std::vector<std::size_t> first_of_tile_;

@@ -26,8 +26,10 @@ bool in_front(const Crossing& a, const Crossing& b, const RasterScene& scene) {
   return of_a.clusters->number(a.triangle) < of_b.clusters->number(b.triangle);
 }
 
-void TileLayers::begin(const RasterScene& scene, std::size_t slots, const Options& options) {
+void TileLayers::begin(const RasterScene& scene, const PixelBox& tile, std::size_t slots,
+                       const TileOptions& options) {
   scene_ = &scene;
+  tile_ = tile;
   options_ = options;
   any_ = false;
   has_ghosts_ =
@@ -44,8 +46,8 @@ void TileLayers::begin(const RasterScene& scene, std::size_t slots, const Option
 
 void TileLayers::pass_face(std::uint32_t slot, const Face& face) {
   float& transmittance = transmittances_[slot];
-  if (options_.seen != nullptr && face.shows() && is_clear(slot))
-    seen(slot)->add(kFaceSide | face.structure, transmittance, {face.depth, face.rgba, face.structure});
+  if (!options_.seen.empty() && face.shows() && is_clear(slot))
+    seen(slot).add(kFaceSide | face.structure, transmittance, {face.depth, face.rgba, face.structure});
   transmittance *= 1 - face.rgba[3];
 }
 
@@ -138,7 +140,7 @@ void TileLayers::composite(std::span<const std::uint32_t> crossings) {
     Fragment fragment{static_cast<float>(crossing.depth), {0, 0, 0, opacity}, surface.structure};
     for (std::size_t c = 0; c < 3; ++c) fragment.rgba[c] = shading.on(surface.color[c]) * opacity;
     if (options_.keeps_fragments) fragments_.push_back({crossing.slot, fragment});
-    if (options_.seen != nullptr) seen(crossing.slot)->add(crossing.side, transmittance, fragment);
+    if (!options_.seen.empty()) seen(crossing.slot).add(crossing.side, transmittance, fragment);
     for (std::size_t c = 0; c < 4; ++c) radiance.rgba[c] += transmittance * fragment.rgba[c];
     transmittance *= 1 - opacity;
     if (!is_clear(crossing.slot)) ended_.push_back(crossing.slot);

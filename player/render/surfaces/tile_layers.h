@@ -10,6 +10,7 @@
 #include "player/render/surfaces/edge_pixels.h"
 #include "player/render/surfaces/fragments.h"
 #include "player/render/surfaces/raster_scene.h"
+#include "player/render/surfaces/tile_bins.h"
 
 namespace splatlas {
 
@@ -42,19 +43,24 @@ struct SlotFragment {
   Fragment fragment;
 };
 
+/// How a tile is drawn.
+struct TileOptions {
+  /// A slot ends once its transmittance is at most this, such as behind an opaque fragment.
+  float termination_threshold = 0;
+  bool keeps_fragments = false;  ///< and does not only composite them
+  /// Receives a summary of every pixel of the scene's region; empty: not asked for.
+  std::span<SurfacesSeen> seen{};
+};
+
 /// Compositor of the slots of a tile. Crossings wait until everything in front of them is known. A slot ends
 /// once its transmittance falls to the threshold. Keeps its memory between tiles. Not thread-safe.
 class TileLayers {
  public:
-  struct Options {
-    float termination_threshold = 0;
-    bool keeps_fragments = false;  ///< and does not only composite them
-    SurfacesSeen* seen = nullptr;  ///< summary of the first slot; null: not asked for
-    std::size_t seen_per_row = 0;  ///< distance of the summaries of slots `slots_per_row` apart
-    std::uint32_t slots_per_row = 1;
-  };
-  /// Begins a tile of clear slots. `scene` must outlive it.
-  void begin(const RasterScene& scene, std::size_t slots, const Options& options);
+  static constexpr std::uint32_t kStride = TileBins::kTileSide;  ///< of slots, from row to row
+
+  /// Begins a tile of clear slots; for summaries, those of a row of pixels are kStride apart. `scene` must
+  /// outlive it.
+  void begin(const RasterScene& scene, const PixelBox& tile, std::size_t slots, const TileOptions& options);
 
   /// A face of a cut in front of a slot, or behind everything in it.
   void pass_face(std::uint32_t slot, const Face& face);
@@ -88,14 +94,14 @@ class TileLayers {
   void take(std::uint32_t crossing);
   [[nodiscard]] bool enters_hull(std::uint32_t slot, std::uint32_t ghost);
   void composite(std::span<const std::uint32_t> crossings);
-  [[nodiscard]] SurfacesSeen* seen(std::uint32_t slot) const {
-    if (options_.seen == nullptr) return nullptr;
-    return options_.seen + slot / options_.slots_per_row * options_.seen_per_row +
-           slot % options_.slots_per_row;
+  [[nodiscard]] SurfacesSeen& seen(std::uint32_t slot) const {
+    return options_.seen[scene_->region.place(tile_.x_first, tile_.y_first) +
+                         slot / kStride * static_cast<std::size_t>(scene_->region.width()) + slot % kStride];
   }
 
   const RasterScene* scene_ = nullptr;
-  Options options_;
+  PixelBox tile_;
+  TileOptions options_;
   bool any_ = false, has_ghosts_ = false;
   std::vector<Radiance> radiances_;      // of the slots
   std::vector<float> transmittances_;    // the same

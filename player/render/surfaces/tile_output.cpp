@@ -29,9 +29,9 @@ void TileRasterizer::finish(TileFragments& out) {
   for (const SlotFragment& of : layers_.fragments()) out.fragments[out.end_of_slot[of.slot]++] = of.fragment;
 }
 
-void TileRasterizer::paint(const PaintedPicture& picture) {
+void TileRasterizer::paint(std::vector<float>& rgba, std::vector<float>* depths) {
   if (!layers_.any() && slot_of_pixel_.empty()) {
-    for (std::int32_t y = tile_.y_first; y <= tile_.y_last; ++y) paint_opaque_row(y, picture);
+    for (std::int32_t y = tile_.y_first; y <= tile_.y_last; ++y) paint_opaque_row(y, rgba, depths);
     return;
   }
   pass_all_layers();
@@ -40,18 +40,19 @@ void TileRasterizer::paint(const PaintedPicture& picture) {
   for_each_pixel([&](std::size_t pixel, std::uint32_t first_slot) {
     Radiance sum;
     for (std::uint32_t slot = first_slot; slot < first_slot + slots; ++slot) sum += layers_.radiance(slot);
-    for (std::size_t c = 0; c < 4; ++c) picture.rgba[4 * pixel + c] = sum.rgba[c] * share;
+    for (std::size_t c = 0; c < 4; ++c) rgba[4 * pixel + c] = sum.rgba[c] * share;
   });
 }
 
-void TileRasterizer::paint_opaque_row(std::int32_t y, const PaintedPicture& picture) const {
+void TileRasterizer::paint_opaque_row(std::int32_t y, std::vector<float>& picture,
+                                      std::vector<float>* depths) const {
   const auto columns = static_cast<std::size_t>(tile_.x_last - tile_.x_first) + 1;
   const std::size_t first = static_cast<std::size_t>(y - tile_.y_first) * kStride;
   const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(scene_->size.width) +
                             static_cast<std::size_t>(tile_.x_first);
-  float* const rgba = &picture.rgba[4 * pixel];
+  float* const rgba = &picture[4 * pixel];
   std::fill_n(rgba, 4 * columns, 0.0f);
-  if (!picture.depths.empty()) std::fill_n(&picture.depths[pixel], columns, kNothingHidden);
+  if (depths != nullptr) std::fill_n(&(*depths)[pixel], columns, kNothingHidden);
 
   // Interpolate the normals of covered pixels, and light them all together
   std::array<std::uint32_t, kStride> covered;
@@ -72,12 +73,12 @@ void TileRasterizer::paint_opaque_row(std::int32_t y, const PaintedPicture& pict
     const SurfaceShading shading{diffuse[n], highlight[n]};
     for (std::size_t c = 0; c < 3; ++c) rgba[4 * x + c] = shading.on(color[c]);
     rgba[4 * x + 3] = 1;
-    if (!picture.depths.empty()) picture.depths[pixel + x] = static_cast<float>(nearest.depth);
+    if (depths != nullptr) (*depths)[pixel + x] = static_cast<float>(nearest.depth);
     if (seen_.empty()) continue;
-    seen_[pixel + x].add(nearest.side, 1,
-                         {static_cast<float>(nearest.depth),
-                          {rgba[4 * x], rgba[4 * x + 1], rgba[4 * x + 2], 1},
-                          kNoStructure});
+    seen_[scene_->region.place(tile_.x_first, y) + x].add(nearest.side, 1,
+                                                          {static_cast<float>(nearest.depth),
+                                                           {rgba[4 * x], rgba[4 * x + 1], rgba[4 * x + 2], 1},
+                                                           kNoStructure});
   }
 }
 

@@ -20,39 +20,23 @@ void TileRasterizer::begin(const RasterScene& scene, const PixelBox& tile, const
   pixel_hiding_.clear();
   pattern_ = kCentre;
   seen_ = options.seen;
-  const auto width = static_cast<std::size_t>(scene.size.width);
-  const std::size_t first =
-      static_cast<std::size_t>(tile.y_first) * width + static_cast<std::size_t>(tile.x_first);
-  clear(std::size_t{kStride} * kStride,
-        {options.termination_threshold, options.keeps_fragments,
-         options.seen.empty() ? nullptr : &options.seen[first], width, kStride});
+  clear(std::size_t{kStride} * kStride, options);
   // Nothing is seen outside the picture
   const auto columns = static_cast<std::uint32_t>(tile.x_last - tile.x_first + 1);
   const auto rows = static_cast<std::uint32_t>(tile.y_last - tile.y_first + 1);
   for (std::uint32_t y = 0; y < kStride; ++y) {
     const auto row = hiding_.begin() + std::ptrdiff_t{y} * kStride;
     std::fill(row + (y < rows ? columns : 0), row + kStride, -kNothingHidden);
-  }
-  if (!seen_.empty()) {
-    for (std::uint32_t y = 0; y < rows; ++y) std::fill_n(&seen_[first + y * width], columns, SurfacesSeen{});
+    if (seen_.empty() || y >= rows) continue;
+    std::fill_n(&seen_[scene.region.place(tile.x_first, tile.y_first + static_cast<std::int32_t>(y))],
+                columns, SurfacesSeen{});
   }
   if (scene.faces == nullptr) return;
-  hide_behind_faces(columns, rows);
-  if (!options.keeps_fragments) return;
-  for_each_pixel(
-      [&](std::size_t pixel, std::uint32_t slot) { layers_.pass_face(slot, scene.faces->at(pixel).front); });
-}
-
-/// Nothing is seen behind opaque faces.
-void TileRasterizer::hide_behind_faces(std::uint32_t columns, std::uint32_t rows) {
-  const auto width = static_cast<std::size_t>(scene_->size.width);
-  for (std::uint32_t y = 0; y < rows; ++y) {
-    const std::size_t first =
-        (static_cast<std::size_t>(tile_.y_first) + y) * width + static_cast<std::size_t>(tile_.x_first);
-    for (std::uint32_t x = 0; x < columns; ++x) {
-      if (scene_->faces->hides(first + x)) hiding_[std::size_t{y} * kStride + x] = -kNothingHidden;
-    }
-  }
+  // Nothing is seen behind opaque faces
+  for_each_pixel([&](std::size_t pixel, std::uint32_t slot) {
+    if (scene.faces->hides(pixel)) hiding_[slot] = -kNothingHidden;
+    if (options.keeps_fragments) layers_.pass_face(slot, scene.faces->at(pixel).front);
+  });
   for (std::uint32_t block = 0; block < block_hiding_.size(); ++block) renew_block(block);
 }
 
@@ -68,9 +52,8 @@ void TileRasterizer::begin_edges(const RasterScene& scene, const PixelBox& tile,
   seen_ = {};
   std::uint32_t slots = 0;
   for (std::int32_t y = tile.y_first; y <= tile.y_last; ++y) {
-    const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(scene.size.width);
     for (std::int32_t x = tile.x_first; x <= tile.x_last; ++x) {
-      if (wanted[row + static_cast<std::size_t>(x)] == 0) continue;
+      if (wanted[scene.region.place(x, y)] == 0) continue;
       const auto pixel =
           static_cast<std::size_t>((y - tile.y_first) * TileBins::kTileSide + x - tile.x_first);
       slot_of_pixel_[pixel] = slots;
@@ -84,11 +67,11 @@ void TileRasterizer::begin_edges(const RasterScene& scene, const PixelBox& tile,
   for (std::uint32_t block = 0; block < block_hiding_.size(); ++block) renew_block(block);
 }
 
-void TileRasterizer::clear(std::size_t slots, const TileLayers::Options& options) {
+void TileRasterizer::clear(std::size_t slots, const TileOptions& options) {
   hiding_.assign(slots, kNothingHidden);
   nearest_.resize(slots);
   block_hiding_.fill(kNothingHidden);
-  layers_.begin(*scene_, slots, options);
+  layers_.begin(*scene_, tile_, slots, options);
 }
 
 void TileRasterizer::pass_layers(float depth) {

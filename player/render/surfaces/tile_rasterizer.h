@@ -9,12 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "player/render/surfaces/edge_pixels.h"
-#include "player/render/surfaces/fragments.h"
-#include "player/render/surfaces/raster_scene.h"
 #include "player/render/surfaces/screen_cluster.h"
 #include "player/render/surfaces/screen_triangle.h"
-#include "player/render/surfaces/tile_bins.h"
 #include "player/render/surfaces/tile_layers.h"
 
 namespace splatlas {
@@ -30,42 +26,28 @@ struct TileFragments {
   }
 };
 
-/// Pixels of a picture of surfaces.
-struct PaintedPicture {
-  std::span<float> rgba;
-  std::span<float> depths;  ///< of opaque surfaces; empty: not asked for
-};
-
-/// How a tile is drawn.
-struct TileOptions {
-  /// A slot ends once its transmittance is at most this, such as behind an opaque fragment.
-  float termination_threshold = 0;
-  bool keeps_fragments = false;  ///< for finish(); false: for paint()
-  std::span<SurfacesSeen>
-      seen{};  ///< of the picture: receives a summary of every pixel; empty: not asked for
-};
-
 /// Rasteriser of one tile after another; keeps its memory between tiles. A slot is a sample position with the
 /// nearest opaque crossing, and the layers of translucent surfaces in front of it. Not thread-safe.
 class TileRasterizer {
  public:
   /// Slot of a pixel centre in a tile: kStride per row, also in tiles at the border of the picture.
-  static constexpr std::uint32_t kStride = TileBins::kTileSide;
+  static constexpr std::uint32_t kStride = TileLayers::kStride;
 
   /// Begins a tile with one slot per pixel, at its centre. To keep fragments, the faces of the scene are in
   /// front of and behind them.
   void begin(const RasterScene& scene, const PixelBox& tile, const TileOptions& options);
   /// Begins a tile with one slot per point of `pattern` in every pixel whose `wanted` flag is not 0, row by
-  /// row. `wanted` has a flag for every pixel of the picture. `pattern` must outlive the tile. Makes no
-  /// summaries.
+  /// row. `wanted` has a flag for every pixel of the scene's region. `pattern` must outlive the tile. Makes
+  /// no summaries.
   void begin_edges(const RasterScene& scene, const PixelBox& tile, std::span<const std::uint8_t> wanted,
                    std::span<const SubPixel> pattern, const TileOptions& options);
   /// Rasterises the next cluster of the tile: opaque surfaces come first, and then near ones.
   void draw(const TileCluster& of);
   /// Ends the tile: sorts its fragments by slot and depth.
   void finish(TileFragments& out);
-  /// Ends the tile: writes the mean of the slots of each pixel into the picture.
-  void paint(const PaintedPicture& picture);
+  /// Ends the tile: writes the mean of the slots of each pixel into the picture. `depths`: receives those of
+  /// its pixels, of opaque surfaces; null: not asked for.
+  void paint(std::vector<float>& rgba, std::vector<float>* depths);
 
   /// Number of fragments so far.
   [[nodiscard]] std::size_t fragments() const { return layers_.fragments().size(); }
@@ -92,7 +74,7 @@ class TileRasterizer {
     std::array<std::array<float, 3>, 3> normals{};  ///< of the corners, on the visible side; the same
   };
 
-  void clear(std::size_t slots, const TileLayers::Options& options);
+  void clear(std::size_t slots, const TileOptions& options);
   [[nodiscard]] bool is_hidden(const TileCluster& of) const;
   void draw(const SurfaceClusters::Triangle& triangle, Current& current);
   void draw_parts(Current& current);
@@ -105,8 +87,6 @@ class TileRasterizer {
   /// A sample inside a triangle; `x`, `y` with integer pixel centres.
   void hit(const ScreenTriangle& t, const EdgeWalk::Edges& edges, double x, double y, std::uint32_t slot,
            Current& current);
-  /// Depths by pixel, kStride per row, behind which nothing is seen; pixels without slots see nothing.
-  void hide_behind_faces(std::uint32_t columns, std::uint32_t rows);
   /// True if an opaque surface is seen.
   [[nodiscard]] bool has_nearest(std::size_t slot) const { return std::abs(hiding_[slot]) < kNothingHidden; }
   [[nodiscard]] const float* hiding_of_pixels() const {
@@ -119,7 +99,7 @@ class TileRasterizer {
   /// Composites all layers, opaque surfaces included.
   void pass_all_layers();
   /// paint() of a row of pixel centres without translucent crossings.
-  void paint_opaque_row(std::int32_t y, const PaintedPicture& picture) const;
+  void paint_opaque_row(std::int32_t y, std::vector<float>& rgba, std::vector<float>* depths) const;
   /// Calls visit(pixel of the picture, first slot) for the pixels of the tile that have slots, row by row.
   template <typename Visit>
   void for_each_pixel(const Visit& visit) const;

@@ -42,12 +42,13 @@ class RowIds {
         map_(picture_to_pixels(shear, shares.window)),
         samples_(samples_per_side(map_, shares.window)) {}
 
-  void fill(std::size_t row) {
+  /// Fills columns [begin, end).
+  void fill(std::size_t row, std::size_t begin, std::size_t end_column) {
     const FragmentList& list = fragments_.list;
     const auto width = static_cast<std::size_t>(picture_.size.width);
     std::uint32_t next = list.first_of_row[row];
     const std::uint32_t end = list.first_of_row[row + 1];
-    for (std::size_t column = 0; column < width; ++column) {
+    for (std::size_t column = begin; column < end_column; ++column) {
       const std::size_t pixel = row * width + column;
       const std::uint32_t first = next;
       while (next < end && list.samples[next].pixel == pixel) ++next;
@@ -164,8 +165,8 @@ class RowIds {
   PixelShares pixel_, between_;
 };
 
-/// Gives visible pixels at rims that no sheet pixel of the shares reaches the structure of their densest
-/// neighbour.
+}  // namespace
+
 void fill_rims(const Picture& picture, IdImage& ids) {
   const auto [width, height] = picture.size;
   const std::vector<StructureNumber> found = ids.numbers;
@@ -185,20 +186,18 @@ void fill_rims(const Picture& picture, IdImage& ids) {
   }
 }
 
-}  // namespace
-
 void resolve_ids(const SheetShares& shares, const Shear& shear, const FragmentsInVolume& fragments,
-                 const FragmentShares& of_fragments, const Picture& picture, IdImage& ids, ThreadPool& pool) {
+                 const FragmentShares& of_fragments, const PixelBox& region, const Picture& picture,
+                 IdImage& ids, ThreadPool& pool) {
   constexpr std::size_t kBandRows = 16;
-  ids.size = picture.size;
-  const auto height = static_cast<std::size_t>(picture.size.height);
-  ids.numbers.resize(static_cast<std::size_t>(picture.size.width) * height);
-  pool.for_each((height + kBandRows - 1) / kBandRows, [&](std::size_t band) {
+  const auto first = static_cast<std::size_t>(region.y_first),
+             end = static_cast<std::size_t>(region.y_last) + 1;
+  pool.for_each((end - first + kBandRows - 1) / kBandRows, [&](std::size_t band) {
     RowIds rows(shares, shear, fragments, of_fragments, picture, ids);
-    for (std::size_t row = band * kBandRows; row < std::min((band + 1) * kBandRows, height); ++row)
-      rows.fill(row);
+    for (std::size_t row = first + band * kBandRows; row < std::min(first + (band + 1) * kBandRows, end);
+         ++row)
+      rows.fill(row, static_cast<std::size_t>(region.x_first), static_cast<std::size_t>(region.x_last) + 1);
   });
-  fill_rims(picture, ids);
 }
 
 }  // namespace splatlas

@@ -226,23 +226,23 @@ void put_in_front(const float* volume, int count, float* picture) {
   }
 }
 
-/// Warps rows [first, last) of the picture without surfaces, or in front of what is painted. Tiles improve
-/// locality: adjacent rows sample the same part of the sheet, at any rotation.
+/// Warps a region of the picture without surfaces, or in front of what is painted. Tiles improve locality:
+/// adjacent rows sample the same part of the sheet, at any rotation.
 void warp_rows(const SheetImage& sheet, const Affine2& map, int samples, const WarpKernels& kernels,
-               std::size_t first, std::size_t last, bool painted, Picture& picture) {
+               const PixelBox& region, bool painted, Picture& picture) {
   constexpr int kTileColumns = 64;
   const int width = picture.size.width;
   std::vector<RowWarp> rows;
-  rows.reserve(last - first);
+  rows.reserve(static_cast<std::size_t>(region.height()));
   // Support of a pixel's filter beyond bilinear interpolation, in sheet pixels
   const double margin = (samples > 1 ? longest_step(map) : 0) + (sheet.window.cubic ? 1 : 0);
-  for (std::size_t row = first; row < last; ++row)
+  for (int row = region.y_first; row <= region.y_last; ++row)
     rows.emplace_back(sheet, map, samples, margin, kernels, static_cast<double>(row) + 0.5, width);
-  for (int tile = 0; tile < width; tile += kTileColumns) {
-    const int tile_end = std::min(tile + kTileColumns, width);
-    for (std::size_t row = first; row < last; ++row) {
-      const RowWarp& warp = rows[row - first];
-      float* out = &picture.rgba[4 * row * static_cast<std::size_t>(width)];
+  for (int tile = region.x_first; tile <= region.x_last; tile += kTileColumns) {
+    const int tile_end = std::min(tile + kTileColumns, region.x_last + 1);
+    for (int row = region.y_first; row <= region.y_last; ++row) {
+      const RowWarp& warp = rows[static_cast<std::size_t>(row - region.y_first)];
+      float* out = &picture.rgba[4 * static_cast<std::size_t>(row) * static_cast<std::size_t>(width)];
       const int from = std::clamp(warp.first(), tile, tile_end);
       const int to = std::clamp(warp.last(), from, tile_end);
       if (painted) {
@@ -279,21 +279,22 @@ void compose_row(const SheetImage& sheet, const Shear& shear, const Affine2& map
 }  // namespace
 
 void resolve(const SheetImage& sheet, const Shear& shear, const FragmentsInVolume& fragments,
-             const PictureSize& size, const WarpKernels& kernels, bool painted, Picture& picture,
+             const PixelBox& region, const WarpKernels& kernels, bool painted, Picture& picture,
              ThreadPool& pool) {
-  constexpr std::size_t kBandRows = 16;
-  picture.size = size;
-  const auto height = static_cast<std::size_t>(size.height);
-  picture.rgba.resize(4 * static_cast<std::size_t>(size.width) * height);
+  constexpr std::int32_t kBandRows = 16;
+  const auto width = static_cast<std::size_t>(picture.size.width);
   const Affine2 map = picture_to_pixels(shear, sheet.window);
   const int samples = samples_per_side(map, sheet.window);
-  pool.for_each((height + kBandRows - 1) / kBandRows, [&](std::size_t band) {
-    const std::size_t first = band * kBandRows;
-    const std::size_t last = std::min(first + kBandRows, height);
-    warp_rows(sheet, map, samples, kernels, first, last, painted, picture);
-    for (std::size_t row = first; row < last; ++row) {
-      if (fragments.faces != nullptr)
-        fragments.faces->add_to_row(row, &picture.rgba[4 * row * static_cast<std::size_t>(size.width)]);
+  pool.for_each(static_cast<std::size_t>((region.height() + kBandRows - 1) / kBandRows), [&](std::size_t n) {
+    PixelBox band = region;
+    band.y_first += static_cast<std::int32_t>(n) * kBandRows;
+    band.y_last = std::min(region.y_last, band.y_first + kBandRows - 1);
+    warp_rows(sheet, map, samples, kernels, band, painted, picture);
+    for (auto row = static_cast<std::size_t>(band.y_first); row <= static_cast<std::size_t>(band.y_last);
+         ++row) {
+      if (fragments.faces != nullptr) {
+        fragments.faces->add_to_row(row, band.x_first, band.x_last + 1, &picture.rgba[4 * row * width]);
+      }
       compose_row(sheet, shear, map, fragments, row, picture);
     }
   });

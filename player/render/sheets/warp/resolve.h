@@ -6,6 +6,7 @@
 #include "player/render/sheets/fragment_order.h"
 #include "player/render/sheets/warp/sheet_image.h"
 #include "player/render/sheets/warp/warp_kernels.h"
+#include "player/render/view/pixel_box.h"
 #include "player/render/view/shear.h"
 
 namespace splatlas {
@@ -22,9 +23,9 @@ struct FragmentsInVolume {
 /// them, in exact depth order. Interpolation in the sheet is bilinear, or cubic for pixels without fragments
 /// if the window asks for it. Minified pixels are the mean of several samples. Faces of a cut are composited
 /// in front of and behind everything else. `painted`: the picture holds what is behind the volume, without
-/// fragments. Cost: linear in pixels and fragments.
+/// fragments. Writes the pixels of a region. Cost: linear in its pixels and fragments.
 void resolve(const SheetImage& sheet, const Shear& shear, const FragmentsInVolume& fragments,
-             const PictureSize& size, const WarpKernels& kernels, bool painted, Picture& picture,
+             const PixelBox& region, const WarpKernels& kernels, bool painted, Picture& picture,
              ThreadPool& pool);
 
 }  // namespace splatlas
