@@ -12,6 +12,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nifti1_io.h>
+#include <vnl/algo/vnl_determinant.h>
+#include <vnl/algo/vnl_matrix_inverse.h>
+#include <vnl/vnl_matrix_fixed.h>
+#include <vnl/vnl_vector_fixed.h>
 
 #include "format/result_macros.h"
 #include "preprocess/import/images/import_image.h"
@@ -103,8 +107,42 @@ mat44 qform_of(const nifti_1_header& h) {
                                 h.pixdim[1], h.pixdim[2], h.pixdim[3], h.pixdim[0]);
 }
 
-/// The grid that a reader of a qform or sform gets.
-Grid grid_of(const nifti_1_header& h, const mat44& to_ras) {
+using Matrix = vnl_matrix_fixed<float, 3, 3>;
+using Affine4 = vnl_matrix_fixed<float, 4, 4>;
+
+Matrix linear_part(const Affine4& affine) {
+  return affine.extract(3, 3, 0, 0);
+}
+
+/// True if single precision suffices to invert the sform, and its columns have the lengths of the spacings.
+bool is_well_conditioned(const Affine4& sform, const nifti_1_header& h) {
+  if (std::abs(vnl_determinant(sform)) <= 1e-5) return false;
+  const Matrix linear = linear_part(sform);
+  const Affine4 inverse = vnl_matrix_inverse<float>(sform.as_matrix()).as_matrix();
+  const Matrix inverse_linear = vnl_matrix_inverse<float>(linear.as_matrix()).as_matrix();
+  const vnl_vector_fixed<float, 3> offset(inverse[0][3], inverse[1][3], inverse[2][3]);
+  const vnl_vector_fixed<float, 3> origin(sform[0][3], sform[1][3], sform[2][3]);
+  constexpr float kMaxDifference = 1e-2f;
+  if ((linear_part(inverse) - inverse_linear).array_one_norm() > kMaxDifference) return false;
+  if ((offset + inverse_linear * origin).one_norm() > kMaxDifference) return false;
+  constexpr float kMaxSpacingDifference = 1e-3f;
+  for (unsigned a = 0; a < 3; ++a) {
+    const float length = linear.get_column(a).magnitude();
+    if (std::abs(h.pixdim[a + 1] - length) > kMaxSpacingDifference) return false;
+  }
+  return true;
+}
+
+/// True if ITK reads the sform, false for the qform, whose rotation is less exact. Limits are ITK 5.2's.
+bool itk_reads_sform(const mat44& sform, const mat44& qform, const nifti_1_header& h) {
+  const Affine4 s(&sform.m[0][0]), q(&qform.m[0][0]);  // with the same origin
+  return linear_part(s).is_equal(linear_part(q), 1e-5) || is_well_conditioned(s, h);
+}
+
+/// The grid that ITK reads from a header.
+Grid grid_of(const nifti_1_header& h) {
+  const mat44 sform = sform_of(h), qform = qform_of(h);
+  const mat44 to_ras = itk_reads_sform(sform, qform, h) ? sform : qform;
   Grid grid;
   for (std::size_t a = 0; a < 3; ++a) {
     grid.size[a] = h.dim[a + 1];
@@ -117,17 +155,13 @@ Grid grid_of(const nifti_1_header& h, const mat44& to_ras) {
   return grid;
 }
 
-/// True if readers get the grid from the header: some prefer the sform, others the qform, and ITK by limits
-/// of its own.
+/// True if import_image() reads the grid from the header.
 bool holds(const nifti_1_header& h, const Grid& grid) {
+  const Grid read = grid_of(h);
   const mat44 sform = sform_of(h);
-  const auto reads = [&](const mat44& form) {
-    const Grid read = grid_of(h, form);
-    return validate(read, "") && check_same_grid(grid, "", read, "");
-  };
   return std::ranges::all_of(sform.m,
                              [](const auto& row) { return std::ranges::all_of(row, is_plausible); }) &&
-         reads(sform) && reads(qform_of(h));
+         validate(read, "") && check_same_grid(grid, "", read, "");
 }
 
 // Headers of NRRD and MetaImage files.

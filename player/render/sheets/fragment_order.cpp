@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <span>
 
 #include "player/render/view/sheet_window.h"
@@ -11,7 +10,7 @@ namespace splatlas {
 namespace {
 
 /// Parallel tasks per frame; the result is independent of their number.
-constexpr std::size_t kChunks = 32;
+constexpr std::size_t kChunks = 32, kSamplesPerJob = 4096;
 /// Lower bound of transmittance. With a float resolution of 6e-8 it limits the error of the radiance in front
 /// of a fragment to 1e-5.
 constexpr float kMinTransmittance = 2e-4f;
@@ -19,14 +18,8 @@ constexpr float kMinTransmittance = 2e-4f;
 /// Rows with fewer fragments are sorted without a table of the slabs.
 constexpr std::size_t kMaxSlabsPerFragment = 64;
 
-/// Place of a sample in the sheet.
-struct SheetPlace {
-  std::int64_t row = 0;  ///< fine row above the sample, from -1
-  FragmentOrder::Entry entry;
-};
-
-/// nullopt for samples without a neighbouring pixel of the sheet. `width`: columns of the picture.
-std::optional<SheetPlace> place_of(const Sample& sample, const Affine2& map, const SheetWindow& window,
+/// `width`: columns of the picture.
+FragmentOrder::SheetPlace place_of(const Sample& sample, const Affine2& map, const SheetWindow& window,
                                    int width) {
   const auto columns = static_cast<double>(window.fine_columns());
   const auto rows = static_cast<double>(window.fine_rows());
@@ -34,20 +27,20 @@ std::optional<SheetPlace> place_of(const Sample& sample, const Affine2& map, con
   const double x = sample.x(width), y = sample.y(width);
   const double sheet_x = (map.xx * x + map.xy * y + map.x0 - static_cast<double>(window.u0)) * window.scale;
   const double sheet_y = (map.yx * x + map.yy * y + map.y0 - static_cast<double>(window.v0)) * window.scale;
-  if (!(sheet_x >= -1 && sheet_y >= -1 && sheet_x < columns && sheet_y < rows)) return std::nullopt;
+  if (!(sheet_x >= -1 && sheet_y >= -1 && sheet_x < columns && sheet_y < rows)) return {};
 
   // Find the upper left neighbour and the interpolation weights
   const double column = std::floor(sheet_x);
   const double row = std::floor(sheet_y);
   const auto right = static_cast<float>(sheet_x - column);
-  SheetPlace place;
-  place.row = static_cast<std::int64_t>(row);
+  FragmentOrder::SheetPlace place;
+  place.row = static_cast<std::int32_t>(row);
   const auto pixel = static_cast<std::int32_t>(column);
-  place.entry.column = pixel < 0 ? -1 : pixel / window.scale;
-  place.entry.phase = pixel - place.entry.column * window.scale;
-  place.entry.weights = sheet_weights(right, static_cast<float>(sheet_y - row), window.skew);
-  if (pixel < 0) place.entry.weights[0] = place.entry.weights[2] = 0;
-  if (column + 1 >= columns) place.entry.weights[1] = place.entry.weights[3] = 0;
+  place.column = pixel < 0 ? -1 : pixel / window.scale;
+  place.phase = pixel - place.column * window.scale;
+  place.weights = sheet_weights(right, static_cast<float>(sheet_y - row), window.skew);
+  if (pixel < 0) place.weights[0] = place.weights[2] = 0;
+  if (column + 1 >= columns) place.weights[1] = place.weights[3] = 0;
   return place;
 }
 
@@ -90,7 +83,14 @@ void FragmentOrder::build(const FragmentList& list, const Shear& shear, const Sh
     radiance_.clear();
     return;
   }
-  scatter(list, shear, window, size, pool);
+  samples_.resize(list.sample_count());
+  const std::size_t jobs = (samples_.size() + kSamplesPerJob - 1) / kSamplesPerJob;
+  pool.for_each(jobs, [&](std::size_t job) {
+    const std::size_t end = std::min(samples_.size(), (job + 1) * kSamplesPerJob);
+    for (std::size_t n = job * kSamplesPerJob; n < end; ++n)
+      samples_[n] = place_of(list.samples[n], shear.picture_to_sheet, window, size.width);
+  });
+  scatter(list, pool);
   entries_.resize(unsorted_.size());
   radiance_.resize(unsorted_.size());
   const std::size_t rows = first_of_row_.size() - 1;
@@ -103,11 +103,7 @@ void FragmentOrder::build(const FragmentList& list, const Shear& shear, const Sh
 }
 
 /// Counting sort of the fragments by row of the sheet; within a row they keep the order of the picture.
-void FragmentOrder::scatter(const FragmentList& list, const Shear& shear, const SheetWindow& window,
-                            const PictureSize& size, ThreadPool& pool) {
-  const auto place_in_sheet = [&](const Sample& sample) {
-    return place_of(sample, shear.picture_to_sheet, window, size.width);
-  };
+void FragmentOrder::scatter(const FragmentList& list, ThreadPool& pool) {
   const std::size_t rows = first_of_row_.size() - 1;
   const std::size_t samples_per_chunk = (list.sample_count() + kChunks - 1) / kChunks;
   const std::size_t chunks = (list.sample_count() + samples_per_chunk - 1) / samples_per_chunk;
@@ -121,8 +117,8 @@ void FragmentOrder::scatter(const FragmentList& list, const Shear& shear, const 
   pool.for_each(chunks, [&](std::size_t chunk) {
     next_of_row[chunk].assign(rows, 0);
     for_each_sample(chunk, [&](std::size_t n) {
-      const auto place = place_in_sheet(list.samples[n]);
-      if (place) next_of_row[chunk][static_cast<std::size_t>(place->row + 1)] += list.of_sample(n).size();
+      const std::int32_t row = samples_[n].row;
+      if (row != kNoRow) next_of_row[chunk][static_cast<std::size_t>(row + 1)] += list.of_sample(n).size();
     });
   });
 
@@ -144,16 +140,15 @@ void FragmentOrder::scatter(const FragmentList& list, const Shear& shear, const 
     for_each_sample(chunk, [&](std::size_t n) {
       const std::uint32_t first = list.samples[n].first_fragment;
       const std::uint32_t last = list.samples[n + 1].first_fragment;
-      const auto place = place_in_sheet(list.samples[n]);
-      if (!place) {
+      const std::int32_t row = samples_[n].row;
+      if (row == kNoRow) {
         std::fill(place_.begin() + first, place_.begin() + last, kNowhere);
         return;
       }
-      std::size_t& next = next_of_row[chunk][static_cast<std::size_t>(place->row + 1)];
+      std::size_t& next = next_of_row[chunk][static_cast<std::size_t>(row + 1)];
       for (std::uint32_t fragment = first; fragment < last; ++fragment) {
-        Unsorted& to = unsorted_[next++];
-        to = {fragment, place->entry};
-        to.entry.slab = slab_at(along_of_depth(static_cast<double>(list.fragments[fragment].depth))).slab;
+        const auto depth = static_cast<double>(list.fragments[fragment].depth);
+        unsorted_[next++] = {fragment, {slab_at(along_of_depth(depth)).slab, static_cast<std::uint32_t>(n)}};
       }
     });
   });

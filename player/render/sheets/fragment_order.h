@@ -35,11 +35,17 @@ struct Slabs {
 class FragmentOrder {
  public:
   struct Entry {
-    std::int32_t slab = 0;           ///< index from the viewer
+    std::int32_t slab = 0;     ///< index from the viewer
+    std::uint32_t sample = 0;  ///< of the fragment
+  };
+  /// Place of a sample in the sheet.
+  struct SheetPlace {
+    std::int32_t row = kNoRow;       ///< fine row above the sample, from -1; kNoRow without a neighbour
     std::int32_t column = 0;         ///< of the sheet pixel to the left, in voxels
     std::int32_t phase = 0;          ///< of that pixel
     std::array<float, 4> weights{};  ///< of the four neighbours: sheet_weights(); 0 outside the sheet
   };
+  static constexpr std::int32_t kNoRow = std::numeric_limits<std::int32_t>::min();
   struct SlabPlace {
     std::int32_t slab = 0;
     float part = 0;  ///< share of the slab in front of the depth, [0, 1]
@@ -61,6 +67,7 @@ class FragmentOrder {
     return first_of_row_[static_cast<std::size_t>(fine_row + 2)];
   }
   [[nodiscard]] const Entry& entry(std::size_t n) const { return entries_[n]; }
+  [[nodiscard]] const SheetPlace& place_of_sample(std::uint32_t n) const { return samples_[n]; }
   [[nodiscard]] SlabRadiance* radiance(std::size_t n) { return radiance_.data() + n; }
 
   /// Prefetches the input of in_front_of().
@@ -99,8 +106,7 @@ class FragmentOrder {
   [[nodiscard]] SlabPlace slab_at(double along) const;
   /// Share of the kept part of a slab in front of a depth.
   [[nodiscard]] float kept_part(std::int32_t slab, double depth, const ClipDepths& kept) const;
-  void scatter(const FragmentList& fragments, const Shear& shear, const SheetWindow& window,
-               const PictureSize& size, ThreadPool& pool);
+  void scatter(const FragmentList& fragments, ThreadPool& pool);
   void sort_row(std::size_t n, std::vector<std::uint32_t>& next_of_slab);
   void put(const Unsorted& from, std::size_t to);
 
@@ -108,7 +114,8 @@ class FragmentOrder {
   std::int64_t slices_ = 1;
   Slabs slabs_;
   std::vector<std::size_t> first_of_row_;  // fine_rows + 2 offsets
-  std::vector<Unsorted> unsorted_;         // by row
+  std::vector<SheetPlace> samples_;
+  std::vector<Unsorted> unsorted_;  // by row
   std::vector<Entry> entries_;
   std::vector<SlabRadiance> radiance_;  // of entries
   std::vector<std::uint32_t> place_;    // index of each fragment's entry

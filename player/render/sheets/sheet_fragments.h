@@ -78,27 +78,27 @@ class SheetFragments {
   /// Adds the row's contribution to what is in front of entry n, and of the end of its slab.
   void add(const Cursor& cursor, std::size_t n, bool before, bool behind, const AccumulatedRow& row,
            auto& trace) {
-    const FragmentOrder::Entry& entry = order_.entry(n);
+    const FragmentOrder::SheetPlace& place = order_.place_of_sample(order_.entry(n).sample);
     SlabRadiance& radiance = cursor.radiance[n - cursor.first];
-    const Radiance share = this->share(entry, cursor.row_is_below, row);
+    const Radiance share = this->share(place, cursor.row_is_below, row);
     if (before) radiance.before += share;
     if (behind) radiance.behind += share;
     const std::size_t left = cursor.row_is_below ? 2 : 0;
-    const bool same_column = entry.phase + 1 < scale_;
-    trace.add_fragment(FragmentPixel{n, before, behind, entry.weights[left], entry.phase, entry.column}, row);
+    const bool same_column = place.phase + 1 < scale_;
+    trace.add_fragment(FragmentPixel{n, before, behind, place.weights[left], place.phase, place.column}, row);
     trace.add_fragment(
-        FragmentPixel{n, before, behind, entry.weights[left + 1], same_column ? entry.phase + 1 : 0,
-                      same_column ? entry.column : entry.column + 1},
+        FragmentPixel{n, before, behind, place.weights[left + 1], same_column ? place.phase + 1 : 0,
+                      same_column ? place.column : place.column + 1},
         row);
   }
   /// The row's contribution to the interpolated radiance in front of a fragment.
-  [[nodiscard]] Radiance share(const FragmentOrder::Entry& entry, bool row_is_below,
+  [[nodiscard]] Radiance share(const FragmentOrder::SheetPlace& place, bool row_is_below,
                                const AccumulatedRow& row) const {
-    const float left = entry.weights[row_is_below ? 2 : 0];
-    const float right = entry.weights[row_is_below ? 3 : 1];
-    const float* left_pixel = row.first + entry.phase * row.phase_stride + entry.column;
+    const float left = place.weights[row_is_below ? 2 : 0];
+    const float right = place.weights[row_is_below ? 3 : 1];
+    const float* left_pixel = row.first + place.phase * row.phase_stride + place.column;
     const float* right_pixel =
-        entry.phase + 1 < scale_ ? left_pixel + row.phase_stride : row.first + entry.column + 1;
+        place.phase + 1 < scale_ ? left_pixel + row.phase_stride : row.first + place.column + 1;
     const auto at = [&](std::int64_t plane) {
       return left * left_pixel[plane * row.plane_stride] + right * right_pixel[plane * row.plane_stride];
     };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -46,7 +47,19 @@ struct RasterScene {
   const FaceLayer* faces = nullptr;  ///< of the pixel centres; null: none
 };
 /// The scene of a whole parallel view; arguments must outlive it.
-[[nodiscard]] RasterScene raster_scene(std::span<const SurfaceDraw> surfaces, const ParallelView& view,
-                                       const Shear& shear, const Grid& grid, const Lighting& lighting);
+[[nodiscard]] inline RasterScene raster_scene(std::span<const SurfaceDraw> surfaces, const ParallelView& view,
+                                              const Shear& shear, const Grid& grid,
+                                              const Lighting& lighting) {
+  const Vec3 along = lps_mm_to_index(grid).apply_linear(view.forward_lps);
+  const double voxels_per_mm = std::abs(along[shear.scan.slice_axis]);
+  return {surfaces,
+          view.size,
+          PixelBox::of(view.size),
+          Projection(view, grid),
+          lighting,
+          shear.scan.slice_axis,
+          shear.ascending ? 1.0 : -1.0,
+          static_cast<float>(view.mm_per_pixel * voxels_per_mm)};
+}
 
 }  // namespace splatlas

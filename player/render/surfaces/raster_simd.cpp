@@ -17,47 +17,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using I = hn::CappedTag<std::int32_t, kRasterPadding>;
 using Ints = hn::Vec<I>;
 
-#if HWY_HAVE_FLOAT64
-using D = hn::CappedTag<double, kRasterPadding / 2>;
-using F = hn::Rebind<float, D>;
-using IntsOfDoubles = hn::Rebind<std::int32_t, D>;
-using Doubles = hn::Vec<D>;
-
-bool Place(const Projection& projection, const std::array<const float*, 3>& ijk, std::size_t count,
-           const ScreenVertices& out) {
-  const D d;
-  const auto& [along_x, along_y] = projection.axes();
-  const Doubles band = hn::Set(d, kGuardBand), sub_pixels = hn::Set(d, double{kSubPixels});
-  auto all_on = hn::Eq(band, band);
-  for (std::size_t n = 0; n < count; n += hn::Lanes(d)) {
-    const Doubles i = hn::PromoteTo(d, hn::LoadU(F(), ijk[0] + n));
-    const Doubles j = hn::PromoteTo(d, hn::LoadU(F(), ijk[1] + n));
-    const Doubles k = hn::PromoteTo(d, hn::LoadU(F(), ijk[2] + n));
-    const auto place = [&](const ScreenAxis& along, double* at, std::int32_t* snapped) {
-      // Each operation rounds on its own, as those of Projection::homogeneous()
-      const Doubles ij =
-          hn::Add(hn::Mul(hn::Set(d, along.per_index[0]), i), hn::Mul(hn::Set(d, along.per_index[1]), j));
-      const Doubles x =
-          hn::Add(hn::Add(ij, hn::Mul(hn::Set(d, along.per_index[2]), k)), hn::Set(d, along.at_origin));
-      hn::StoreU(x, d, at + n);
-      all_on = hn::And(all_on, hn::Lt(hn::Abs(x), band));
-      hn::StoreU(hn::DemoteTo(IntsOfDoubles(), hn::Round(hn::Mul(x, sub_pixels))), IntsOfDoubles(),
-                 snapped + n);
-    };
-    place(along_x, out.x, out.snapped_x);
-    place(along_y, out.y, out.snapped_y);
-  }
-  return hn::AllTrue(d, all_on);
-}
-#else
-/// Leaves them to the caller: these vectors have no doubles.
-bool Place(const Projection& /*projection*/, const std::array<const float*, 3>& /*ijk*/,
-           std::size_t /*count*/, const ScreenVertices& /*out*/) {
-  return false;
-}
-#endif
-
-std::size_t Select(const std::uint32_t* corners, std::size_t count, const ScreenVertices& vertices,
+std::size_t Select(const std::uint32_t* corners, std::size_t count, const SnappedVertices& vertices,
                    const PixelBox& box, std::int32_t reach, std::uint32_t* out) {
   const I d;
   const Ints byte = hn::Set(d, 0xff), up = hn::Set(d, (1 << kSubPixelBits) - 1), reaches = hn::Set(d, reach);
@@ -75,8 +35,8 @@ std::size_t Select(const std::uint32_t* corners, std::size_t count, const Screen
       const Ints to = hn::Min(hn::ShiftRight<kSubPixelBits>(high), hn::Set(d, last));
       return hn::Lt(to, from);
     };
-    const auto outside = hn::Or(misses(vertices.snapped_x, box.x_first, box.x_last),
-                                misses(vertices.snapped_y, box.y_first, box.y_last));
+    const auto outside =
+        hn::Or(misses(vertices.x, box.x_first, box.x_last), misses(vertices.y, box.y_first, box.y_last));
     const auto chosen = hn::AndNot(outside, hn::FirstN(d, count - n));
     const Ints number = hn::Iota(d, static_cast<std::int32_t>(n));
     found += hn::CompressStore(hn::BitCast(hn::RebindToUnsigned<I>(), number),
@@ -116,30 +76,22 @@ void Cover(const SmallEdges& edges, std::int32_t columns, std::int32_t rows, std
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-#include "player/render/simd/simd_choice.h"
 
 namespace splatlas {
 namespace {
 
-HWY_EXPORT(Place);
 HWY_EXPORT(Select);
 HWY_EXPORT(Cover);
 
 }  // namespace
 
-const RasterKernels& raster_kernels() {
-  static_cast<void>(best_target());  // applies SPLATLAS_SIMD
-  static constexpr RasterKernels kKernels{
-      [](const Projection& projection, const std::array<const float*, 3>& ijk, std::size_t count,
-         const ScreenVertices& out) { return HWY_DYNAMIC_DISPATCH(Place)(projection, ijk, count, out); },
-      [](const std::uint32_t* corners, std::size_t count, const ScreenVertices& vertices, const PixelBox& box,
-         std::int32_t reach, std::uint32_t* out) {
-        return HWY_DYNAMIC_DISPATCH(Select)(corners, count, vertices, box, reach, out);
-      },
-      [](const SmallEdges& edges, std::int32_t columns, std::int32_t rows, std::uint32_t* out) {
-        HWY_DYNAMIC_DISPATCH(Cover)(edges, columns, rows, out);
-      }};
-  return kKernels;
+std::size_t select_triangles(const std::uint32_t* corners, std::size_t count, const SnappedVertices& vertices,
+                             const PixelBox& box, std::int32_t reach, std::uint32_t* out) {
+  return HWY_DYNAMIC_DISPATCH(Select)(corners, count, vertices, box, reach, out);
+}
+
+void cover_pixels(const SmallEdges& edges, std::int32_t columns, std::int32_t rows, std::uint32_t* out) {
+  HWY_DYNAMIC_DISPATCH(Cover)(edges, columns, rows, out);
 }
 
 }  // namespace splatlas

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "format/result_macros.h"
+#include "player/render/simd/simd_choice.h"
 #include "player/render/surfaces/edge_pixels.h"
 
 namespace splatlas {
@@ -73,6 +74,7 @@ Result<std::uint64_t> Rasterizer::paint(const RasterScene& scene, const RasterOp
 
 Result<void> Rasterizer::draw_tiles(const RasterScene& scene, const RasterOptions& options,
                                     const PaintTile* paint, ThreadPool& pool) {
+  static_cast<void>(best_target());  // applies SPLATLAS_SIMD
   Count count{options.max_fragments};
   bins_.fill(scene, pool);
 

@@ -23,23 +23,20 @@ class ScreenCluster {
   [[nodiscard]] ScreenVertex snapped(std::size_t vertex) const {
     return {snapped_x_[vertex], snapped_y_[vertex]};
   }
-  [[nodiscard]] ScreenPoint point(std::size_t vertex) const { return {x_[vertex], y_[vertex], w_[vertex]}; }
+  [[nodiscard]] ScreenPoint point(std::size_t vertex) const { return points_[vertex]; }
   [[nodiscard]] float depth(std::size_t vertex) const { return depths_[vertex]; }
   /// Planes of the cut that remove a vertex, as bits.
   [[nodiscard]] std::uint8_t removing(std::size_t vertex) const { return removing_[vertex]; }
 
  private:
   static constexpr std::size_t kVertices = 3 * SurfaceClusters::kMaxTriangles;
-  template <typename T>
-  using OfVertices = std::array<T, kVertices + kRasterPadding>;
 
   bool is_on_ = false;  // the screen, with all vertices
   std::span<const SurfaceClusters::Triangle> triangles_;
-  std::array<OfVertices<float>, 3> ijk_{};
-  OfVertices<double> x_{}, y_{}, w_{};
-  OfVertices<std::int32_t> snapped_x_{}, snapped_y_{};
-  OfVertices<float> depths_{};
-  OfVertices<std::uint8_t> removing_{};
+  std::array<ScreenPoint, kVertices> points_{};
+  std::array<std::int32_t, kVertices + kRasterPadding> snapped_x_{}, snapped_y_{};
+  std::array<float, kVertices> depths_{};
+  std::array<std::uint8_t, kVertices> removing_{};
   std::array<std::uint32_t, SurfaceClusters::kMaxTriangles + kRasterPadding> corners_{}, chosen_{};
 };
 

@@ -17,7 +17,7 @@ constexpr std::uint32_t kFaceSide = 0x80000000;
 }  // namespace
 
 bool in_front(const Crossing& a, const Crossing& b, const RasterScene& scene) {
-  const std::int64_t bin_of_a = depth_bin(a.depth), bin_of_b = depth_bin(b.depth);
+  const double bin_of_a = depth_bin(a.depth), bin_of_b = depth_bin(b.depth);
   if (bin_of_a != bin_of_b) return bin_of_a < bin_of_b;
   if ((a.side & 1) != (b.side & 1)) return (a.side & 1) < (b.side & 1);
   const SurfaceDraw& of_a = scene.surfaces[a.surface()];
@@ -53,10 +53,11 @@ void TileLayers::pass_face(std::uint32_t slot, const Face& face) {
 
 std::span<const std::uint32_t> TileLayers::pass(float depth) {
   ended_.clear();
-  // Those of earlier bins, and one bin more: rounding may place the depth behind it
-  const double end = static_cast<double>(depth) - 2 / 4096.0;
-  const auto behind = std::partition(waiting_.begin(), waiting_.end(),
-                                     [end](const Crossing& crossing) { return crossing.depth < end; });
+  // Those of earlier bins; one bin less, as rounding may place the depth behind it
+  const double end = depth_bin(static_cast<double>(depth)) - 1;
+  const auto behind = std::partition(waiting_.begin(), waiting_.end(), [end](const Crossing& crossing) {
+    return in_bins(crossing.depth) < end;
+  });
   any_ |= behind != waiting_.begin();
   sort_slots(static_cast<std::uint32_t>(behind - waiting_.begin()));
   for (std::size_t n = 0; n < sequence_.size(); n += kBatch)

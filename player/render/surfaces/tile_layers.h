@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -25,13 +26,15 @@ struct Crossing {
   [[nodiscard]] std::uint32_t surface() const { return side >> 1; }
 };
 
-/// Number of the bin of a depth. Surfaces coincide if their depths lie in the same bin of 1/4096 voxel. The
-/// offset moves bin limits away from common surface depths such as half voxels, where rounding would decide.
-[[nodiscard]] inline std::int64_t depth_bin(double depth) {
+/// A depth in bins. Surfaces coincide if their depths lie in the same bin of 1/4096 voxel. The offset moves
+/// bin limits away from common surface depths such as half voxels, where rounding would decide.
+[[nodiscard]] inline double in_bins(double depth) {
   constexpr double kSteps = 4096, kOffset = 0.3183;
-  const double steps = depth * kSteps + kOffset;
-  const auto whole = static_cast<std::int64_t>(steps);  // std::floor() is slow before SSE4.1
-  return whole - (static_cast<double>(whole) > steps ? 1 : 0);
+  return depth * kSteps + kOffset;
+}
+/// Number of the bin of a depth.
+[[nodiscard]] inline double depth_bin(double depth) {
+  return std::floor(in_bins(depth));
 }
 /// True for the crossing in front of the other one, in the same slot. Where surfaces coincide, back faces
 /// precede front faces, and then structures decide.

@@ -274,7 +274,7 @@ void TileRasterizer::sample_small(const ScreenTriangle& t, const PixelBox& box, 
   const EdgeWalk walk(t, box.x_first, box.y_first);
   std::array<std::uint32_t, SmallEdges::kMaxSide> covered;
   const std::int32_t rows = box.y_last - box.y_first + 1;
-  raster_kernels().cover(walk.small(), box.x_last - box.x_first + 1, rows, covered.data());
+  cover_pixels(walk.small(), box.x_last - box.x_first + 1, rows, covered.data());
   for (std::int32_t y = 0; y < rows; ++y) {
     const std::int32_t row =
         (box.y_first + y - tile_.y_first) * TileBins::kTileSide + box.x_first - tile_.x_first;

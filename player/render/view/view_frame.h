@@ -49,12 +49,6 @@ struct ScreenPoint {
   double w = 1;         ///< depth from the eye relative to the view's centre; 1 in a parallel view
 };
 
-/// A screen coordinate as an affine function of voxel indices.
-struct ScreenAxis {
-  Vec3 per_index{};
-  double at_origin = 0;
-};
-
 /// Parallel or perspective projection. The eye of a perspective view is `eye_mm` in front of the plane
 /// through the view's centre; both projections agree in that plane. An infinite `eye_mm` is a parallel view.
 class Projection {
@@ -63,8 +57,6 @@ class Projection {
              double eye_mm = std::numeric_limits<double>::infinity());
 
   [[nodiscard]] bool is_parallel() const { return parallel_; }
-  /// x and y of homogeneous().
-  [[nodiscard]] std::array<ScreenAxis, 2> axes() const { return {{{x_, x0_}, {y_, y0_}}}; }
   /// Homogeneous coordinates (w * x, w * y, w): affine in `p`, also behind the eye.
   [[nodiscard]] ScreenPoint homogeneous(const std::array<float, 3>& p) const {
     return {x_[0] * p[0] + x_[1] * p[1] + x_[2] * p[2] + x0_,

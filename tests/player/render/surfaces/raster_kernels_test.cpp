@@ -22,49 +22,18 @@ constexpr std::size_t kVertices = 37;
 
 /// Vertices with room for the padding of kernels.
 struct Vertices {
-  std::vector<double> x = std::vector<double>(kVertices + kRasterPadding), y = x;
-  std::vector<std::int32_t> snapped_x = std::vector<std::int32_t>(kVertices + kRasterPadding),
-                            snapped_y = snapped_x;
+  std::vector<std::int32_t> x = std::vector<std::int32_t>(kVertices + kRasterPadding), y = x;
 
-  ScreenVertices arrays() { return {x.data(), y.data(), snapped_x.data(), snapped_y.data()}; }
-  [[nodiscard]] ScreenVertex operator[](std::size_t n) const { return {snapped_x[n], snapped_y[n]}; }
+  [[nodiscard]] SnappedVertices arrays() const { return {x.data(), y.data()}; }
+  [[nodiscard]] ScreenVertex operator[](std::size_t n) const { return {x[n], y[n]}; }
 };
-
-TEST_P(RasterKernelsOf, ProjectAsTheProjectionDoes) {
-  const Camera camera{.azimuth_deg = 33, .elevation_deg = 21, .zoom = 3};
-  const Grid grid{.size = {60, 70, 80}, .spacing_mm = {1, 1.3, 0.7}};
-  const Display display{.center_lps_mm = {30, 40, 20}, .radius_mm = 60};
-  const Projection projection(*parallel_view(camera, {300, 200}, display), grid);
-  std::array<std::vector<float>, 3> ijk;
-  for (std::vector<float>& of_axis : ijk) {
-    for (std::size_t n = 0; n < kVertices + kRasterPadding; ++n)
-      of_axis.push_back(static_cast<float>(number(-100, 8000)) / 97);
-  }
-  Vertices vertices;
-  const auto place = [&] {
-    return raster_kernels().place(projection, {ijk[0].data(), ijk[1].data(), ijk[2].data()}, kVertices,
-                                  vertices.arrays());
-  };
-  ASSERT_TRUE(place());
-  for (std::size_t n = 0; n < kVertices; ++n) {
-    const ScreenPoint point = projection.on_screen({ijk[0][n], ijk[1][n], ijk[2][n]});
-    ASSERT_EQ(vertices.x[n], point.x);
-    ASSERT_EQ(vertices.y[n], point.y);
-    ASSERT_EQ(vertices[n].x, snapped(point).x);
-    ASSERT_EQ(vertices[n].y, snapped(point).y);
-  }
-  for (const float off : {4e6f, std::numeric_limits<float>::quiet_NaN()}) {
-    ijk[0][5] = off;
-    EXPECT_FALSE(place()) << off;
-  }
-}
 
 TEST_P(RasterKernelsOf, SelectTrianglesWithPixelsInABox) {
   for (int scene = 0; scene < 200; ++scene) {
     Vertices vertices;
     for (std::size_t n = 0; n < kVertices; ++n) {
-      vertices.snapped_x[n] = number(-4000, 20000);
-      vertices.snapped_y[n] = number(-4000, 20000);
+      vertices.x[n] = number(-4000, 20000);
+      vertices.y[n] = number(-4000, 20000);
     }
     const PixelBox box{number(0, 20), number(10, 40), number(0, 20), number(10, 40)};
     const std::int32_t reach = scene % 2 == 0 ? 0 : kHalfPixel;
@@ -76,7 +45,7 @@ TEST_P(RasterKernelsOf, SelectTrianglesWithPixelsInABox) {
       if (!intersection(pixels_of(vertices[c[0]], vertices[c[1]], vertices[c[2]], reach), box).empty())
         expected.push_back(n);
     }
-    out.resize(raster_kernels().select(corners.data(), 45, vertices.arrays(), box, reach, out.data()));
+    out.resize(select_triangles(corners.data(), 45, vertices.arrays(), box, reach, out.data()));
     ASSERT_EQ(out, expected);
   }
 }
@@ -95,7 +64,7 @@ TEST_P(RasterKernelsOf, CoverThePixelsInsideAllEdges) {
     const std::int32_t columns = box.x_last - box.x_first + 1, rows = box.y_last - box.y_first + 1;
     if (columns < 1 || rows < 1) continue;
     std::vector<std::uint32_t> covered(static_cast<std::size_t>(rows));
-    raster_kernels().cover(walk.small(), columns, rows, covered.data());
+    cover_pixels(walk.small(), columns, rows, covered.data());
     for (std::int32_t y = 0; y < rows; ++y) {
       for (std::int32_t x = 0; x < 32; ++x) {
         // Exact signs of the areas that the pixel centre spans with each edge
