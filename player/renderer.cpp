@@ -284,8 +284,9 @@ struct Renderer::Impl {
     const PictureSize& size = frame.view.plane.size;
     if (n < first_shown || !(x >= 0 && y >= 0 && x < size.width && y < size.height)) return std::nullopt;
     const auto column = static_cast<std::int32_t>(x), row = static_cast<std::int32_t>(y);
-    if (!rasterize_again(frame, drawn.surfaces(decoded.cache(), frame.surface_level), atlas->grid(),
-                         {column, column, row, row}, buffers, pool))
+    if (!buffers.picked.holds(n, row) &&
+        !rasterize_again(frame, n, drawn.surfaces(decoded.cache(), frame.surface_level), atlas->grid(),
+                         column, row, buffers, pool))
       return std::nullopt;
     const Axis axis = frame.sheets.value_or(Axis::kZ);
     const SelectedRuns* runs = frame.sheets ? spans.runs(axis) : nullptr;

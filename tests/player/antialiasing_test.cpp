@@ -59,6 +59,10 @@ TEST(Antialiasing, CountsItsSamplesAmongTheFragments) {
   const auto refused = Rasterizer().draw(scene, {.max_fragments = without, .edge_samples = 4}, list, pool);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
+  Picture picture;
+  const auto unpainted = Rasterizer().paint(scene, {.max_fragments = 10}, picture, nullptr, pool);
+  ASSERT_FALSE(unpainted);
+  EXPECT_EQ(unpainted.error().code, ErrorCode::kLimit);
 }
 
 }  // namespace

@@ -17,8 +17,8 @@ namespace {
 constexpr double kBegun = 0.3, kResolved = 0.95;
 /// Number of loops that report progress.
 constexpr std::size_t kRasterLoops = 8, kResolveLoops = 2, kCueLoops = 4;
-/// Pixels of a region with fragments: multiples of the tiles of the rasteriser and of the warp. Fragments of
-/// larger ones fall out of the cache; smaller ones draw more of the volume twice, at their borders.
+/// Pixels of a region with fragments, in whole tiles of the warp. Larger ones take more memory; smaller ones
+/// draw more of the volume twice, at their borders.
 constexpr std::int32_t kRegionWidth = 512, kRegionHeight = 256;
 
 /// Bytes of the rasteriser and the volume pass per fragment, for samples with a single fragment.
@@ -179,6 +179,7 @@ Result<void> FrameRenderer::begin_surfaces(Picture& picture) {
   SPLATLAS_ASSIGN_OR_RETURN(const RasterScene raster, raster_scene_of_view());
   raster_.emplace(raster);
   add_cuts(shown(), scene_.grid, buffers_.faces, surface_cuts_, *raster_, pool_);
+  buffers_.picked = {};
   buffers_.fragments.clear(scene_.options.size);
   buffers_.fragments.faces.clear();
   if (paints_surfaces()) {
@@ -186,7 +187,9 @@ Result<void> FrameRenderer::begin_surfaces(Picture& picture) {
         stats_.triangles,
         buffers_.rasterizer.paint(*raster_, shown().raster, picture,
                                   ends_at_surfaces() ? &buffers_.surface_depths : nullptr, pool_));
-    for (float& depth : buffers_.surface_depths) depth = in_volume(depth);
+    if (ends_at_surfaces()) {
+      for (float& depth : buffers_.surface_depths) depth = in_volume(depth);
+    }
   }
   stats_.rasterize = watch.lap();
   return {};
@@ -274,17 +277,25 @@ ShownFrame FrameRenderer::shown() const {
           stats_.surface_level};
 }
 
-Result<void> rasterize_again(const ShownFrame& frame, std::span<const SurfaceDraw> surfaces, const Grid& grid,
-                             const PixelBox& region, FrameBuffers& buffers, ThreadPool& pool) {
+Result<void> rasterize_again(const ShownFrame& frame, std::uint64_t number,
+                             std::span<const SurfaceDraw> surfaces, const Grid& grid, std::int32_t column,
+                             std::int32_t row, FrameBuffers& buffers, ThreadPool& pool) {
   const ParallelView& plane = frame.view.plane;
   const Lighting lighting(plane);
   SPLATLAS_ASSIGN_OR_RETURN(
       RasterScene scene,
       frame.sheets ? raster_scene(surfaces, plane, factorise(plane, grid, &*frame.sheets), grid, lighting)
                    : raster_scene_of_rays(surfaces, frame.view, grid, lighting));
-  scene.region = region;
+  const std::int32_t first = row / PickedRows::kRows * PickedRows::kRows;
+  scene.region = intersection(scene.region, {0, scene.size.width, first, first + PickedRows::kRows - 1});
+  buffers.picked = {};
   SurfaceCuts cuts;
   add_cuts(frame, grid, buffers.faces, cuts, scene, pool);
+  if (draw_fragments(scene, frame.raster, cuts, buffers, pool)) {
+    buffers.picked = {number, first};
+    return {};
+  }
+  scene.region = {column, column, row, row};
   SPLATLAS_RETURN_IF_ERROR(draw_fragments(scene, frame.raster, cuts, buffers, pool));
   return {};
 }

@@ -25,10 +25,22 @@
 
 namespace splatlas {
 
+/// Rows of a frame whose fragments are kept for picks: many come row by row.
+struct PickedRows {
+  static constexpr std::int32_t kRows = 64;
+  std::uint64_t frame = 0;  ///< its number; 0: none
+  std::int32_t first = 0;
+
+  [[nodiscard]] bool holds(std::uint64_t of_frame, std::int32_t row) const {
+    return frame == of_frame && row >= first && row < first + kRows;
+  }
+};
+
 /// Buffers whose memory is reused by the next frame.
 struct FrameBuffers {
   Rasterizer rasterizer;
   FragmentList fragments;             ///< of a region of the picture
+  PickedRows picked;                  ///< that the fragments are of
   std::vector<float> surface_depths;  ///< by pixel, if rays end at opaque surfaces
   SheetEnds ends;                     ///< the same, by sheet pixel
   FaceLayer faces;                    ///< of a cut; empty: none
@@ -131,9 +143,11 @@ class FrameRenderer {
   SurfaceCuts surface_cuts_;
 };
 
-/// Makes the fragments of a region of an earlier frame again.
-[[nodiscard]] Result<void> rasterize_again(const ShownFrame& frame, std::span<const SurfaceDraw> surfaces,
-                                           const Grid& grid, const PixelBox& region, FrameBuffers& buffers,
+/// Makes the fragments of a pixel of an earlier frame again: with those of the rows around it, if they fit
+/// into memory. `number`: of the frame, from 1.
+[[nodiscard]] Result<void> rasterize_again(const ShownFrame& frame, std::uint64_t number,
+                                           std::span<const SurfaceDraw> surfaces, const Grid& grid,
+                                           std::int32_t column, std::int32_t row, FrameBuffers& buffers,
                                            ThreadPool& pool);
 
 /// Merges the depths of surfaces into `depths` by minimum. The depth of a sample is that of the fragment at

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "format/result_macros.h"
+#include "format/tasks/task_control.h"
 #include "player/render/simd/simd_choice.h"
 #include "player/render/surfaces/edge_pixels.h"
 
@@ -103,15 +104,16 @@ Result<void> Rasterizer::draw_tiles(const RasterScene& scene, const RasterOption
   }
   if (!count.too_many) return {};
   return fail(ErrorCode::kLimit,
-              "the surfaces leave more than {} fragments in this picture, too many for the memory allowed; "
-              "make it smaller, select fewer translucent surfaces, or raise --memory",
+              "the surfaces leave more than {} fragments at one place, too many for the memory allowed; "
+              "select fewer translucent surfaces, or raise --memory",
               options.max_fragments);
 }
 
 void Rasterizer::draw_and_finish(std::size_t tile, TileRasterizer& worker, const PaintTile* paint,
                                  TileFragments& out, Count& count) const {
   for (const TileCluster& of : bins_.of_tile(tile)) {
-    if (worker.fragments() > count.limit) count.too_many = true;
+    check_task();
+    if (worker.held() > count.limit) count.too_many = true;
     if (count.too_many.load(std::memory_order_relaxed)) return;
     worker.draw(of);
   }

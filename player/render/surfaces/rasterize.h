@@ -37,15 +37,14 @@ struct RasterOptions {
 class Rasterizer {
  public:
   /// Rasterises all surfaces in the region and returns the number of their triangles; kLimit for more than
-  /// `max_fragments`,
-  /// with the samples of edges. The result is independent of the number of threads. Cost: linear in vertices,
-  /// triangles and visible fragments; those at edges count once per sample.
+  /// `max_fragments`, with the samples of edges. The result is independent of the number of threads. Cost:
+  /// linear in vertices, triangles and visible fragments; those at edges count once per sample.
   [[nodiscard]] Result<std::uint64_t> draw(const RasterScene& scene, const RasterOptions& options,
                                            FragmentList& out, ThreadPool& pool);
   /// Draws surfaces in the whole picture, without faces of cuts, and without a volume between them:
   /// composites the fragments of each sample, and replaces the picture by the means of the samples. `depths`:
   /// also makes the depth of each pixel, infinite without surfaces, if all surfaces are opaque; null: not
-  /// asked for. The same errors, but the limit is that of each tile.
+  /// asked for. The same errors, but the limit is that of what a tile holds at once.
   [[nodiscard]] Result<std::uint64_t> paint(const RasterScene& scene, const RasterOptions& options,
                                             Picture& picture, std::vector<float>* depths, ThreadPool& pool);
 

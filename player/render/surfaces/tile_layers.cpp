@@ -4,10 +4,12 @@
 #include <optional>
 #include <utility>
 
+#include "format/tasks/task_control.h"
+
 namespace splatlas {
 namespace {
 
-/// Crossings that wait at least: they fit the L2 cache.
+/// Crossings that wait at least, and fit the L2 cache. Where many surfaces overlap in depth, more wait.
 constexpr std::size_t kDue = 4096;
 /// Crossings that are lit together.
 constexpr std::size_t kBatch = 128;
@@ -85,17 +87,13 @@ void TileLayers::sort_slots(std::uint32_t count) {
   }
 }
 
-/// Sorts the crossings of a slot into the sequence: few, and often in order.
+/// Sorts the crossings of a slot into the sequence.
 void TileLayers::sort_chain(std::uint32_t first) {
   chain_.clear();
   for (std::uint32_t n = first; n != kNone; n = next_[n]) chain_.push_back(n);
-  for (std::size_t n = 1; n < chain_.size(); ++n) {
-    const std::uint32_t moved = chain_[n];
-    std::size_t to = n;
-    for (; to > 0 && in_front(waiting_[moved], waiting_[chain_[to - 1]], *scene_); --to)
-      chain_[to] = chain_[to - 1];
-    chain_[to] = moved;
-  }
+  std::ranges::sort(chain_, [this](std::uint32_t a, std::uint32_t b) {
+    return in_front(waiting_[a], waiting_[b], *scene_);
+  });
   for (const std::uint32_t n : chain_) take(n);
 }
 
@@ -119,6 +117,7 @@ bool TileLayers::enters_hull(std::uint32_t slot, std::uint32_t ghost) {
 }
 
 void TileLayers::composite(std::span<const std::uint32_t> crossings) {
+  check_task();
   std::array<std::array<float, kBatch>, 3> normals;
   std::array<float, kBatch> diffuse, highlight;
   for (std::size_t n = 0; n < crossings.size(); ++n) {

@@ -81,6 +81,8 @@ class TileLayers {
     return transmittances_[slot] > options_.termination_threshold;
   }
   [[nodiscard]] const Radiance& radiance(std::uint32_t slot) const { return radiances_[slot]; }
+  /// Number of crossings that wait, and of fragments.
+  [[nodiscard]] std::size_t held() const { return waiting_.size() + fragments_.size(); }
   /// Fragments so far, front to back within each slot.
   [[nodiscard]] std::span<const SlotFragment> fragments() const { return fragments_; }
 

@@ -33,8 +33,8 @@ class TileRasterizer {
   /// Slot of a pixel centre in a tile: kStride per row, also in tiles at the border of the picture.
   static constexpr std::uint32_t kStride = TileLayers::kStride;
 
-  /// Begins a tile with one slot per pixel, at its centre. To keep fragments, the faces of the scene are in
-  /// front of and behind them.
+  /// Begins a tile with one slot per pixel, at its centre. Faces of the scene dim the fragments that are
+  /// kept.
   void begin(const RasterScene& scene, const PixelBox& tile, const TileOptions& options);
   /// Begins a tile with one slot per point of `pattern` in every pixel whose `wanted` flag is not 0, row by
   /// row. `wanted` has a flag for every pixel of the scene's region. `pattern` must outlive the tile. Makes
@@ -49,8 +49,8 @@ class TileRasterizer {
   /// its pixels, of opaque surfaces; null: not asked for.
   void paint(std::vector<float>& rgba, std::vector<float>* depths);
 
-  /// Number of fragments so far.
-  [[nodiscard]] std::size_t fragments() const { return layers_.fragments().size(); }
+  /// Number of crossings and fragments that it holds.
+  [[nodiscard]] std::size_t held() const { return layers_.held(); }
   [[nodiscard]] std::size_t slots() const { return hiding_.size(); }
 
  private:

@@ -1,5 +1,9 @@
 #include "player/render/surfaces/tile_layers.h"
 
+#include <map>
+#include <random>
+#include <tuple>
+
 #include <gtest/gtest.h>
 
 #include "tests/support/render.h"
@@ -10,11 +14,8 @@ namespace {
 /// A tile of one slot in front of two translucent surfaces of one structure each.
 class TileLayersTest : public testing::Test {
  protected:
-  void pass(double depth, std::uint32_t side) {
-    Crossing& crossing = layers_.add();
-    crossing.depth = depth;
-    crossing.side = side;
-    crossing.normal_lps = {0, -1, 0};
+  void pass(double depth, std::uint32_t side, std::uint32_t slot = 0) {
+    layers_.add() = {.depth = depth, .slot = slot, .side = side, .normal_lps = {0, -1, 0}};
   }
   /// Structures of the fragments, front to back.
   [[nodiscard]] std::vector<StructureIndex> order() const {
@@ -44,6 +45,38 @@ TEST_F(TileLayersTest, KeepBinsTogether) {
     static_cast<void>(layers_.pass(static_cast<float>(first + 0.3 * n * kBin)));
     static_cast<void>(layers_.pass(HUGE_VALF));
     EXPECT_EQ(order(), (std::vector<StructureIndex>{1, 0})) << n;
+  }
+}
+
+TEST_F(TileLayersTest, CompositeFrontToBackWhileCrossingsArrive) {
+  // Clusters, near ones first, that overlap in depth and share bins
+  constexpr std::uint32_t kSlots = 16;
+  for (SurfaceDraw& surface : surfaces_) surface.opacity = 0.0001f;
+  layers_.begin(scene_, PixelBox::of({1, 1}), kSlots, {.keeps_fragments = true});
+  std::mt19937 random(3);
+  using Key = std::tuple<double, std::uint32_t, std::uint32_t>;  // bin, front or back, surface
+  std::vector<std::map<Key, float>> expected(kSlots);
+  std::size_t passes = 0;
+  for (int cluster = 0; cluster < 1000; ++cluster) {
+    const double nearest = cluster * 0.01;
+    passes += layers_.is_due() ? 1 : 0;
+    if (layers_.is_due()) static_cast<void>(layers_.pass(static_cast<float>(nearest)));
+    for (int n = 0; n < 64; ++n) {
+      const double depth = nearest + static_cast<double>(random() % 4000) * 0.25 * kBin;
+      const auto side = static_cast<std::uint32_t>(random() % 4),
+                 slot = static_cast<std::uint32_t>(random() % kSlots);
+      const Key key{std::floor(depth / kBin + 0.3183), side % 2, side / 2};
+      if (expected[slot].emplace(key, static_cast<float>(depth)).second) pass(depth, side, slot);
+    }
+  }
+  static_cast<void>(layers_.pass(HUGE_VALF));
+  EXPECT_GT(passes, 5u);
+  std::vector<std::vector<float>> depths(kSlots);
+  for (const SlotFragment& of : layers_.fragments()) depths[of.slot].push_back(of.fragment.depth);
+  for (std::uint32_t slot = 0; slot < kSlots; ++slot) {
+    std::vector<float> sorted;
+    for (const auto& [key, depth] : expected[slot]) sorted.push_back(depth);
+    EXPECT_EQ(depths[slot], sorted);
   }
 }
 
