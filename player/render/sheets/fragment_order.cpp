@@ -117,7 +117,7 @@ void FragmentOrder::scatter(const FragmentList& list, ThreadPool& pool) {
   pool.for_each(chunks, [&](std::size_t chunk) {
     next_of_row[chunk].assign(rows, 0);
     for_each_sample(chunk, [&](std::size_t n) {
-      const std::int32_t row = samples_[n].row;
+      const std::int64_t row = samples_[n].row;
       if (row != kNoRow) next_of_row[chunk][static_cast<std::size_t>(row + 1)] += list.of_sample(n).size();
     });
   });
@@ -140,7 +140,7 @@ void FragmentOrder::scatter(const FragmentList& list, ThreadPool& pool) {
     for_each_sample(chunk, [&](std::size_t n) {
       const std::uint32_t first = list.samples[n].first_fragment;
       const std::uint32_t last = list.samples[n + 1].first_fragment;
-      const std::int32_t row = samples_[n].row;
+      const std::int64_t row = samples_[n].row;
       if (row == kNoRow) {
         std::fill(place_.begin() + first, place_.begin() + last, kNowhere);
         return;
