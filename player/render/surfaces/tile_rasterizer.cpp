@@ -62,8 +62,7 @@ void TileRasterizer::begin_edges(const RasterScene& scene, const PixelBox& tile,
       slots += static_cast<std::uint32_t>(pattern.size());
     }
   }
-  clear(slots,
-        {.termination_threshold = options.termination_threshold, .keeps_fragments = options.keeps_fragments});
+  clear(slots, options);
   for (std::uint32_t block = 0; block < block_hiding_.size(); ++block) renew_block(block);
 }
 

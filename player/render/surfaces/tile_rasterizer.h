@@ -37,8 +37,8 @@ class TileRasterizer {
   /// kept.
   void begin(const RasterScene& scene, const PixelBox& tile, const TileOptions& options);
   /// Begins a tile with one slot per point of `pattern` in every pixel whose `wanted` flag is not 0, row by
-  /// row. `wanted` has a flag for every pixel of the scene's region. `pattern` must outlive the tile. Makes
-  /// no summaries.
+  /// row. `wanted` has a flag for every pixel of the scene's region. `pattern` must outlive the tile.
+  /// `options`: without summaries.
   void begin_edges(const RasterScene& scene, const PixelBox& tile, std::span<const std::uint8_t> wanted,
                    std::span<const SubPixel> pattern, const TileOptions& options);
   /// Rasterises the next cluster of the tile: opaque surfaces come first, and then near ones.
