@@ -12,7 +12,7 @@ foreach(program splatlas-preprocess splatlas-player)
   endif()
 endforeach()
 
-foreach(module splatlas_pictures splatlas_text splatlas_window)  # loaded at run time
+foreach(module splatlas_pictures splatlas_text)  # loaded at run time
   if(TARGET ${module})
     install(TARGETS ${module} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
   endif()

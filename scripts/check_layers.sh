@@ -58,7 +58,7 @@ must_not_include 'itk|vtk|gdcm|vnl' 'ITK and VTK belong to preprocess' \
   schemas format player tests/format tests/player tests/phantom tests/support tests/reference tests/installed
 mapfile -t bench_itself < <(find bench -path bench/peers -prune -o -type f -print)
 must_not_include 'itk|vtk|gdcm|vnl' 'ITK and VTK are peers: bench/peers only' "${bench_itself[@]}"
-must_not_include 'SDL|imgui|GL/' 'the window belongs to the player' format preprocess bench
+must_not_include 'microhttpd' 'the server belongs to the player' format preprocess bench
 
 # module_graph FOLDER: "MODULE MODULE" for each module, and "FROM TO" for each include between modules. A module is a
 # folder, or a header with its source.

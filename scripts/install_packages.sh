@@ -19,7 +19,7 @@ player=(
   build-essential          # compiler and linker
   cmake                    # build system, tests, installation
   ninja-build              # the presets' generator
-  pkg-config               # finds xxHash, Pango and Dear ImGui; tests: splatlas.pc
+  pkg-config               # finds xxHash, libmicrohttpd and Pango; tests: splatlas.pc
 
   libexpected-dev          # tl::expected, the type of every result
   libflatbuffers-dev       # directory of the atlas file
@@ -39,13 +39,11 @@ player=(
   libopenimageio-dev       # player: JPEG, TIFF and EXR
   libopencv-core-dev       # include folder of OpenImageIO's CMake package, which does not depend on it
   openimageio-tools        # programs of OpenImageIO's CMake package; oiiotool: contact sheets
+  libmicrohttpd-dev        # player: serves the page
   libwebp-dev              # player: pictures of pages
   nlohmann-json3-dev       # statistics and reports
   nettle-dev               # player: SHA-256 and base64 of pages
   zlib1g-dev               # player: checksums of PNG; preprocess: checks compressed images
-  libgl-dev                # window: OpenGL
-  libimgui-dev             # window: Dear ImGui
-  libsdl2-dev              # window: SDL2
 )
 demo=(
   libinsighttoolkit5-dev   # preprocess: readers, segmentation
@@ -72,18 +70,18 @@ tests=(
   librapidcheck-dev        # tests: properties
   clang                    # tests: compiles the fuzz targets
   libclang-rt-dev          # tests: libFuzzer, and Clang's sanitizers
-  libgl1-mesa-dri          # tests: OpenGL in software, under Xvfb
-  libx11-dev               # tests: requests of window managers and other programs to a window
+  chromium                 # tests: the page in a browser
+  libsdl2-dev              # tests: examples/viewer.cpp
   munge                    # tests: authentication of Slurm
   slurm-wlm                # tests: docs/batch on a cluster
   snakemake                # tests: docs/batch, many subjects
-  xdotool                  # tests: mouse and keys
   strace                   # tests: faults of system calls
-  xvfb                     # tests: a display without a screen
 
   gnuplot-nox              # bench: plots
   libbenchmark-dev         # bench
+  libgl1-mesa-dri          # bench: OpenGL in software
   libvolpack1-dev          # bench: VolPack, a peer (as is VTK, above, which draws under xvfb)
+  xvfb                     # bench: a display without a screen
 
   invesalius-examples      # bench: a CT of a head
   poppler-utils            # tests: text and pages of PDF

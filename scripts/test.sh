@@ -77,7 +77,7 @@ check_player_alone() {
 fix_addresses() { ! setarch -R true 2>/dev/null || launcher=(setarch -R); }
 
 readonly layers='^(format|player|reference|preprocess)$'
-readonly programs='^(system|window|web|batch|faults|installed)$'
+readonly programs='^(system|web|batch|faults|installed)$'
 [[ $form == all ]] && intensity=3 || intensity=1  # SPLATLAS_TEST_INTENSITY
 
 step "Packages" scripts/install_packages.sh
@@ -86,7 +86,7 @@ step "Layout of the sources" scripts/check_format.sh
 step "Size of the sources" scripts/check_size.sh
 if [[ $form != all ]]; then
   step "Programs and their tests: build" \
-    build_release checks-system checks-window checks-web checks-batch checks-faults checks-installed
+    build_release checks-system checks-web checks-batch checks-faults checks-installed
   step "Player without ITK and VTK" check_player_alone
   step "Programs: tests" run_tests release --label-regex "$programs"
 fi

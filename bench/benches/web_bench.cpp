@@ -16,6 +16,7 @@
 #include "format/result_macros.h"
 #include "player/render/simd/simd_choice.h"
 #include "player/renderer.h"
+#include "player/web/page_state.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 
@@ -68,15 +69,16 @@ Result<void> draw_natively(const std::shared_ptr<const Atlas>& atlas, std::vecto
 
 Result<void> draw_by_module(const fs::path& module, const fs::path& atlas, const fs::path& folder,
                             std::vector<WebScene>& scenes) {
-  Json frames{{"size", {kWebSize.width, kWebSize.height}}, {"scenes", Json::array()}};
+  Json frames = Json::array();
   for (const WebScene& scene : scenes) {
-    Json cameras = Json::array();
+    Json states = Json::array();
     for (int n = 0; n < kViews; ++n) {
-      const Camera camera = turned(oblique_camera(), n, kViews);
-      cameras.push_back({{"azimuth", camera.azimuth_deg}, {"elevation", camera.elevation_deg}});
+      states.push_back({{"select", scene.scene.selection},
+                        {"quality", scene.quality.name},
+                        {"size", {kWebSize.width, kWebSize.height}},
+                        {"camera", json_of(turned(oblique_camera(), n, kViews))}});
     }
-    frames["scenes"].push_back(
-        {{"select", scene.scene.selection}, {"quality", scene.quality.name}, {"cameras", cameras}});
+    frames.push_back(std::move(states));
   }
   std::ofstream(folder / "frames.json") << frames;
   const fs::path script = fs::path(SPLATLAS_SOURCE_DIR) / "bench/peers/web_frames.js";

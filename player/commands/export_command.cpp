@@ -11,7 +11,6 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <webp/encode.h>
 
 #include "format/atlas_reader.h"
@@ -57,16 +56,6 @@ constexpr std::uint64_t kMaxAtlasBytes = std::uint64_t{256} << 20;
 
 /// Memory limit of the module (default_memory_limit() in player/web/web_system.cpp).
 constexpr std::uint64_t kModuleMemory = std::uint64_t{1} << 30;
-constexpr const char* kEverything = "*";
-
-/// The opening picture of a page.
-struct Opening {
-  std::string select = kEverything, caption = {};
-  Camera camera = {};
-  double zoom = 1;
-  SceneFraming framing = {};
-  std::optional<std::size_t> scene = std::nullopt;
-};
 
 Result<std::vector<std::byte>> read_atlas(const std::filesystem::path& path) {
   SPLATLAS_ASSIGN_OR_RETURN(const InputFile file, InputFile::open(path));
@@ -78,25 +67,6 @@ Result<std::vector<std::byte>> read_atlas(const std::filesystem::path& path) {
   std::vector<std::byte> bytes(file.size());
   SPLATLAS_RETURN_IF_ERROR(file.read(0, bytes));
   return bytes;
-}
-
-Result<Opening> opening_of(const ExportRequest& request, const Atlas& atlas) {
-  Opening opening{.select = request.select.empty() ? kEverything : request.select, .camera = request.camera};
-  const std::vector<Scene>& scenes = atlas.scenes();
-  const bool is_scene = !request.scene.empty() || (request.select.empty() && !scenes.empty());
-  if (!is_scene) return opening;
-  SPLATLAS_ASSIGN_OR_RETURN(const Scene scene,
-                            find_scene(request.scene.empty() ? scenes.front().name : request.scene, atlas));
-  opening.scene = std::ranges::find(scenes, scene.name, &Scene::name) - scenes.begin();
-  opening.select = scene.selection;
-  opening.caption = scene.question.empty() ? scene.caption : scene.question;
-  opening.zoom = scene.zoom;
-  SPLATLAS_ASSIGN_OR_RETURN(opening.framing, framing_of(scene, atlas));
-  if (!request.names_view) {
-    opening.camera.azimuth_deg = scene.azimuth_deg;
-    opening.camera.elevation_deg = scene.elevation_deg;
-  }
-  return opening;
 }
 
 /// As WebP, a tenth of a PNG, with a transparent background.
@@ -128,20 +98,9 @@ Result<std::vector<std::byte>> draw(const std::shared_ptr<const Atlas>& atlas, O
   SPLATLAS_ASSIGN_OR_RETURN(opening.camera, renderer.fit(opening.camera, options));
   opening.camera = zoomed(opening.camera, opening.zoom);
   if (opening.framing.center_lps_mm) opening.camera.center_lps_mm = opening.framing.center_lps_mm;
+  opening.is_fitted = true;
   SPLATLAS_ASSIGN_OR_RETURN(const Frame frame, renderer.render(opening.camera, options));
   return encode_webp(frame.picture);
-}
-
-std::string json_of(const Opening& opening) {
-  const Camera& camera = opening.camera;
-  nlohmann::ordered_json json{
-      {"select", opening.select},
-      {"camera",
-       {{"azimuth", camera.azimuth_deg}, {"elevation", camera.elevation_deg}, {"zoom", camera.zoom}}},
-      {"scene", nullptr}};
-  if (camera.center_lps_mm) json["camera"]["center"] = *camera.center_lps_mm;
-  if (opening.scene) json["scene"] = *opening.scene;
-  return json_text(json, -1);
 }
 
 }  // namespace
@@ -158,11 +117,13 @@ CLI::App* add_export(CLI::App& app, ExportRequest& request) {
   add_parsed(*command, "--site", request.site, file, "must name a folder",
              "folder to write, for a web server; must not exist, or be empty")
       ->excludes(html);
-  CLI::Option* select = add_parsed(*command, "--select", request.select, given, "must be a selection text",
-                                   "selection of the opening picture: see splatlas-player render --help");
-  add_view(*command, request.camera, "direction of the opening picture")
-      ->each([&request](const std::string&) { request.names_view = true; });
-  add_parsed(*command, "--scene", request.scene, given, "must name a scene", "scene of the opening picture")
+  CLI::Option* select =
+      add_parsed(*command, "--select", request.opening.select, given, "must be a selection text",
+                 "selection of the opening picture: see splatlas-player render --help");
+  add_view(*command, request.opening.camera, "direction of the opening picture")
+      ->each([&request](const std::string&) { request.opening.names_view = true; });
+  add_parsed(*command, "--scene", request.opening.scene, given, "must name a scene",
+             "scene of the opening picture")
       ->excludes(select);
   command->parse_complete_callback([&request, command] {
     if (request.html.empty() && request.site.empty())
@@ -183,10 +144,10 @@ namespace {
 /// much memory as volumes.
 Result<HtmlPage> draw_page(const ExportRequest& request, const std::shared_ptr<const Atlas>& atlas) {
   SPLATLAS_RETURN_IF_ERROR(atlas->verify());
-  SPLATLAS_ASSIGN_OR_RETURN(Opening opening, opening_of(request, *atlas));
+  SPLATLAS_ASSIGN_OR_RETURN(Opening opening, opening_of(request.opening, *atlas));
   Result<std::vector<std::byte>> drawn = draw(atlas, opening);
   const bool is_too_large = !drawn && drawn.error().code == ErrorCode::kLimit;
-  if (is_too_large && request.select.empty() && !opening.scene) {
+  if (is_too_large && request.opening.select.empty() && !opening.scene) {
     opening.select = "*:surface";
     drawn = draw(atlas, opening);
   }

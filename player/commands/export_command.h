@@ -2,11 +2,10 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
 #include <vector>
 
 #include "format/result.h"
-#include "player/camera.h"
+#include "player/commands/opening.h"
 
 namespace CLI {
 class App;
@@ -18,10 +17,7 @@ namespace splatlas {
 struct ExportRequest {
   std::vector<std::filesystem::path> atlases;  ///< one, unless `site` is given
   std::filesystem::path html, site;            ///< one of them
-  std::string select;                          ///< empty: of the first scene, or everything
-  std::string scene;                           ///< name; empty: none
-  Camera camera;
-  bool names_view = false;  ///< --view is given
+  OpeningRequest opening;
 };
 
 /// Adds the command. Parsing fills `request`, which must outlive `app`. Invalid values throw

@@ -1,7 +1,6 @@
-// Program splatlas-player: window and command-line renderer of atlases.
+// Program splatlas-player: player and command-line renderer of atlases.
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -11,7 +10,6 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <dlfcn.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -23,10 +21,10 @@
 #include "format/text/ascii_text.h"
 #include "format/text/printable_text.h"
 #include "player/commands/export_command.h"
+#include "player/commands/play_command.h"
 #include "player/commands/render_command.h"
 #include "player/render/simd/simd_choice.h"
 #include "player/web/info_json.h"
-#include "player/window/window_module.h"
 
 namespace splatlas {
 namespace {
@@ -34,7 +32,7 @@ namespace {
 constexpr const char* kDescription =
     "Plays anatomy atlases: any selection of structures, each as surface, volume or both.\n"
     "\n"
-    "  splatlas-player brain.atlas                 opens a window\n"
+    "  splatlas-player brain.atlas                 plays in the browser\n"
     "  splatlas-player render brain.atlas -o picture.png --select 'Cerebellum:surface'\n"
     "  splatlas-player export brain.atlas --html brain.html    writes a page for browsers\n"
     "  splatlas-player export *.atlas --site site              writes pages for a web server\n"
@@ -169,39 +167,12 @@ Result<void> render_picture(const RenderRequest& request) {
               request.atlas.string(), request.output.string());
 }
 
-#ifdef SPLATLAS_HAS_WINDOW
-/// Shows an atlas until the user closes the window. SDL2, OpenGL and Dear ImGui are in a module, so that the
-/// other commands do not depend on them.
-Result<void> open_window(const std::filesystem::path& path, const RendererOptions& renderer,
-                         const AtlasOptions& options) {
-  // Never unloaded: OpenGL drivers leave threads and exit handlers behind.
-  void* module = dlopen(kWindowModule, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
-  void* function = module != nullptr ? dlsym(module, kShowWindowName) : nullptr;
-  if (function == nullptr) {
-    const char* reason = dlerror();
-    return fail(ErrorCode::kFailed, "cannot open a window: {}; use 'splatlas-player render'",
-                reason != nullptr ? reason : kWindowModule);
-  }
-  std::array<char, 2048> error{};
-  const auto show = reinterpret_cast<ShowWindow>(function);
-  const int code = show(path.c_str(), renderer.threads, renderer.max_memory_bytes, options.max_work,
-                        error.data(), error.size());
-  if (code == kWindowClosed) return {};
-  return fail(static_cast<ErrorCode>(code), error.data());
-}
-#else
-Result<void> open_window(const std::filesystem::path& path, const RendererOptions& /*renderer*/,
-                         const AtlasOptions& /*options*/) {
-  return fail(ErrorCode::kUsage, "{}: this player was built without a window; use 'render'", path.string());
-}
-#endif
-
 /// Options and commands, bound to typed variables.
 struct CommandLine {
   CLI::App app{kDescription, "splatlas-player"};
-  std::filesystem::path atlas;  // argument of info, verify and the window
-  RendererOptions window_renderer;
-  AtlasOptions atlas_options;  // of info, verify and the window
+  PlayRequest play_request;
+  std::filesystem::path atlas;  // argument of info and verify
+  AtlasOptions atlas_options;   // of verify
   bool json = false;
   RenderRequest request;
   ExportRequest export_request;
@@ -213,10 +184,7 @@ struct CommandLine {
   CommandLine() {
     app.set_version_flag("--version", kVersion);
     app.get_formatter()->column_width(28);
-    app.add_option("ATLAS", atlas, "atlas file to open in a window")->check(names_a_file());
-    add_threads(app, window_renderer.threads, "0: one per core");
-    add_memory(app, window_renderer.max_memory_bytes);
-    add_max_work(app, atlas_options.max_work);
+    add_play(app, play_request);
     render = add_render(app, request);
     export_page = add_export(app, export_request);
     info = app.add_subcommand("info", "List grid, structures, counts and sizes");
@@ -232,7 +200,7 @@ struct CommandLine {
   }
 };
 
-/// Refuses words and options in front of a command: they are those of the window.
+/// Refuses words and options in front of a command: they are those of the page.
 Result<void> check_order(const CommandLine& line) {
   if (line.app.get_subcommands().empty()) return {};
   const std::string& command = line.app.get_subcommands().front()->get_name();
@@ -265,19 +233,20 @@ Result<void> run_command(const CommandLine& line) {
   }
   if (line.info->parsed()) return print_info(line.atlas, line.json);
   if (line.verify->parsed()) return verify_file(line.atlas, line.atlas_options);
-  if (line.atlas.empty()) return wrong_usage(line.app, "no atlas file is given");
+  const std::filesystem::path& atlas = line.play_request.atlas;
+  if (atlas.empty()) return wrong_usage(line.app, "no atlas file is given");
   // A lone word is more likely a misspelt command than a missing file.
   std::error_code ignored;
-  const bool is_word = !line.atlas.has_parent_path() && !line.atlas.has_extension();
-  if (is_word && !std::filesystem::exists(line.atlas, ignored))
-    return no_command_or_atlas(line.app, line.atlas);
-  return open_window(line.atlas, line.window_renderer, line.atlas_options);
+  const bool is_word = !atlas.has_parent_path() && !atlas.has_extension();
+  if (is_word && !std::filesystem::exists(atlas, ignored)) return no_command_or_atlas(line.app, atlas);
+  return play(line.play_request);
 }
 
 /// The file that the command reads.
 const std::filesystem::path& file_of(const CommandLine& line) {
   if (line.render->parsed()) return line.request.atlas;
-  return line.export_page->parsed() ? line.export_request.atlases.front() : line.atlas;
+  if (line.export_page->parsed()) return line.export_request.atlases.front();
+  return line.atlas.empty() ? line.play_request.atlas : line.atlas;
 }
 
 Result<void> run(int argc, char** argv) {
@@ -291,10 +260,11 @@ Result<void> run(int argc, char** argv) {
   } catch (const CLI::ExtrasError& error) {
     std::error_code ignored;
     const bool has_command = !line.app.get_subcommands().empty();
-    if (has_command || line.atlas.empty() || std::filesystem::exists(line.atlas, ignored)) {
+    const std::filesystem::path& atlas = line.play_request.atlas;
+    if (has_command || atlas.empty() || std::filesystem::exists(atlas, ignored)) {
       return wrong_usage(line.app, fault_of_usage(line.app, error));
     }
-    return no_command_or_atlas(line.app, line.atlas);
+    return no_command_or_atlas(line.app, atlas);
   } catch (const CLI::ValidationError& error) {
     return fail(ErrorCode::kUsage, error.what());
   } catch (const CLI::ParseError& error) {

@@ -41,11 +41,13 @@ std::string hash_source(std::string_view text) {
 }
 
 /// Chromium takes no module workers from blob:, and compiles WebAssembly only with 'wasm-unsafe-eval'.
-std::string policy(std::string_view script, std::string_view style, bool fetches) {
+std::string policy(std::string_view script, const HtmlPage& page) {
   return fmt::format(
-      "default-src 'none'; script-src {} 'wasm-unsafe-eval'; worker-src blob:; style-src {}; img-src data:; "
-      "{}base-uri 'none'; form-action 'none'",
-      hash_source(script), hash_source(style), fetches ? "connect-src 'self'; " : "");
+      "default-src 'none'; script-src {}{}; worker-src blob:; style-src {}; img-src data:; {}base-uri "
+      "'none'; "
+      "form-action 'none'",
+      hash_source(script), page.is_served ? "" : " 'wasm-unsafe-eval'", hash_source(page_style()),
+      page.is_served || !page.url.empty() ? "connect-src 'self'; " : "");
 }
 
 /// JSON in a data block: no end of the block is in it.
@@ -89,20 +91,20 @@ Result<void> check_web_module() {
 }
 
 Result<std::string> encode_html(const HtmlPage& page) {
-  SPLATLAS_RETURN_IF_ERROR(check_web_module());
+  if (!page.is_served) SPLATLAS_RETURN_IF_ERROR(check_web_module());
   const std::string script = page_script();
-  const std::string_view style = page_style();
   const std::string title = page.title.empty() ? "Anatomy atlas" : page.title;
-  const std::array<std::pair<std::string_view, std::string>, 11> values{
-      {{"policy", policy(script, style, !page.url.empty())},
+  const std::array<std::pair<std::string_view, std::string>, 12> values{
+      {{"policy", policy(script, page)},
        {"title", escaped_markup(shortened(title, kMaxTextBytes))},
        {"caption", escaped_markup(shortened(page.caption, kMaxTextBytes))},
-       {"style", std::string(style)},
+       {"style", std::string(page_style())},
        {"script", script},
        {"picture", base64(page.picture)},
        {"opening", json_in_markup(page.opening)},
        {"worker", worker_script()},
-       {"module", base64(web_module_gzip())},
+       {"module", page.is_served ? std::string() : base64(web_module_gzip())},
+       {"served", page.is_served ? " data-served" : ""},
        {"url", page.url},
        {"atlas", base64(page.atlas)}}};
   return fill(page_template(), values);

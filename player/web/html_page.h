@@ -13,17 +13,18 @@ namespace splatlas {
 
 /// Contents of a page.
 struct HtmlPage {
-  std::span<const std::byte> atlas;  ///< bytes of the file; empty: at the url
+  std::span<const std::byte> atlas;  ///< bytes of the file; empty: at the url, or in the server
   std::string url;                   ///< of the file, relative to the page, percent-encoded
+  bool is_served = false;            ///< by a PageServer, which has the engine
   std::string title;                 ///< any text; empty: a general one
   std::string caption;               ///< any text, of the opening picture
   std::string opening;               ///< JSON: the selection and the camera of the opening picture
-  std::vector<std::byte> picture;    ///< the opening picture as WebP
+  std::vector<std::byte> picture;    ///< the opening picture as WebP; empty: none
 };
 
 /// The bytes of the file. Texts are escaped; the content security policy allows the page's own script, style
-/// and workers alone, by their SHA-256. kFailed if this program was built without the WebAssembly module,
-/// with the remedy. Memory: four times the atlas.
+/// and workers alone, by their SHA-256. kFailed, with the remedy, if the page is not served
+/// and this program was built without the WebAssembly module. Memory: four times the atlas.
 [[nodiscard]] Result<std::string> encode_html(const HtmlPage& page);
 
 /// An atlas in a catalogue.

@@ -14,8 +14,6 @@
 
 (() => {
 const kCodes = ['failed', 'usage', 'invalid-atlas', 'not-found', 'limit', 'cancelled'];
-const kCaps = ['values', 'labels', 'both', 'none'];
-const kQualities = ['draft', 'normal', 'high'];
 
 class SplatlasError extends Error {
   constructor(code, message) {
@@ -23,13 +21,6 @@ class SplatlasError extends Error {
     this.name = 'SplatlasError';
     this.code = code;
   }
-}
-
-/** The position of a name in a list. */
-function indexOf(names, name, what) {
-  const n = names.indexOf(name);
-  if (n < 0) throw new SplatlasError('usage', `${what}: ${name}: must be one of ${names.join(', ')}`);
-  return n;
 }
 
 /** The module's imports: a clock and the end of the process. `memory` returns the instance's memory. */
@@ -49,20 +40,79 @@ function importsOf(memory) {
   };
 }
 
-class Splatlas {
+/** An engine in a WebAssembly instance. */
+class Module {
   #wasm;
-  #values = 0;  // of the latest picture
-  #cuts = [];
 
-  /** @param {WebAssembly.Instance} instance see load() */
   constructor(instance) {
     this.#wasm = instance.exports;
     this.#wasm.__wasm_call_ctors();
+  }
+
+  /** Answers a request and bytes: [status, text]. Views of the memory die when it grows: they are made anew. */
+  call(request, bytes) {
+    const text = new TextEncoder().encode(request);
+    const input = this.#wasm.splatlas_input(bytes.length + text.length);
+    if (input === 0) return [kCodes.indexOf('limit') + 1, 'out of memory'];
+    const place = new Uint8Array(this.#wasm.memory.buffer, input, bytes.length + text.length);
+    place.set(bytes);
+    place.set(text, bytes.length);
+    const status = this.#wasm.splatlas_call(text.length);
+    const answer = new Uint8Array(this.#wasm.memory.buffer, this.#wasm.splatlas_text(), this.#wasm.splatlas_text_bytes());
+    return [status, new TextDecoder().decode(answer)];
+  }
+
+  pixels(count) {
+    const pixels = this.#wasm.splatlas_pixels();
+    if (pixels === 0) throw new SplatlasError('limit', 'out of memory');
+    return new Uint8ClampedArray(this.#wasm.memory.buffer, pixels, count).slice();
+  }
+
+  floats(count) {
+    return new Float32Array(this.#wasm.memory.buffer, this.#wasm.splatlas_floats(), count).slice();
+  }
+}
+
+/** An engine in the program that serves the page, for workers: they may wait for an answer. */
+class Server {
+  #url;
+  #pixels = null;
+
+  constructor(url) {
+    this.#url = url;
+  }
+
+  /** The answer is its status, the bytes of its text, the text, and the pixels of a picture. */
+  call(request) {
+    const exchange = new XMLHttpRequest();
+    exchange.open('POST', this.#url, false);
+    exchange.responseType = 'arraybuffer';
+    exchange.send(request);
+    if (exchange.status !== 200) throw new Error(`the player answers ${exchange.status}`);
+    const [status, bytes] = new Uint32Array(exchange.response, 0, 2);
+    this.#pixels = new Uint8ClampedArray(exchange.response, 8 + bytes);
+    return [status, new TextDecoder().decode(new Uint8Array(exchange.response, 8, bytes))];
+  }
+
+  pixels() {
+    return this.#pixels;
+  }
+}
+
+class Splatlas {
+  #engine;
+  #cuts = [];
+  #options = {};
+  #values = 0;  // of the latest picture
+
+  /** @param {Module|Server} engine see load() and connect() */
+  constructor(engine) {
+    this.#engine = engine;
     /** Camera of the next picture; see view(). */
     this.camera = {};
   }
 
-  /** Starts an instance.
+  /** Starts an instance of the module.
    * @param {BufferSource|WebAssembly.Module} module bytes of splatlas.wasm, or the compiled module, which a page can
    *   post to its workers
    * @returns {Promise<Splatlas>} */
@@ -70,14 +120,18 @@ class Splatlas {
     if (!(module instanceof WebAssembly.Module)) module = await WebAssembly.compile(module);
     let instance = null;
     instance = await WebAssembly.instantiate(module, importsOf(() => instance.exports.memory));
-    return new Splatlas(instance);
+    return new Splatlas(new Module(instance));
+  }
+
+  /** Takes the engine of `splatlas-player ATLAS`, which has opened its atlas. @returns {Splatlas} */
+  static connect(url) {
+    return new Splatlas(new Server(url));
   }
 
   /** Opens an atlas in place of the one before. Nothing is selected; the camera is anterior.
    * @param {Uint8Array|ArrayBuffer} bytes of the file; copied */
   open(bytes) {
-    this.#give(bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes));
-    this.#call('open');
+    this.#call('open', {}, bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes));
     this.camera = {};
   }
 
@@ -87,7 +141,7 @@ class Splatlas {
    * @returns {boolean} whether it is open */
   openRemote(size) {
     try {
-      this.#call('open_remote', size);
+      this.#call('openRemote', {size});
     } catch (error) {
       if (error.code !== 'failed') throw error;
       return false;
@@ -98,47 +152,48 @@ class Splatlas {
 
   /** Ranges of the file that calls have missed since the last wanted(). @returns {number[][]} [offset, bytes] */
   wanted() {
-    return this.#answer('wanted');
+    return this.#call('wanted');
   }
 
   /** Adds a piece of the file. @param {Uint8Array} bytes */
   give(offset, bytes) {
-    this.#give(bytes);
-    this.#call('give', offset);
+    this.#call('give', {offset}, bytes);
   }
 
   /** What the atlas holds: the document of `splatlas-player info --json`. `structures` are in the order of their
    * indices, with id, name, parents (ids), color, voxels, triangles and terms (synonyms, languages, codes); `scenes`
-   * have name, question, caption, select, azimuth, elevation, zoom, cuts and center; `views` name, azimuth and elevation; `display` the window of
-   * grey values and the bounding sphere; `provenance` title, citation and licence.
+   * have name, question, caption, select, azimuth, elevation, zoom, cuts and center; `views` name, azimuth and
+   * elevation; `display` the window of grey values and the bounding sphere; `provenance` title, citation and licence.
    * @returns {object} */
   info() {
-    return this.#answer('info');
+    return this.#call('info');
   }
 
   /** Selects structures, as `splatlas-player render --select`. An error keeps the selection.
    * @param {string} text
    * @returns {string[]} warnings about terms without effect */
   select(text) {
-    this.#give(new TextEncoder().encode(text));
-    return this.#answer('select');
+    return this.#call('select', {select: text});
   }
 
   /** Mode, opacity and colour of every structure in the selection, by index.
    * @returns {Array[]} ['surface', 0.4, '#c0392b'] or ['off']; a surface
    *   may be a 'ghost'; the opacity is null where it is the default */
   drawn() {
-    return this.#answer('drawn');
+    return this.#call('drawn');
   }
 
-  /** Shows a scene of the atlas, as `splatlas-player render --scene`: selects, turns and fits the camera.
+  /** Shows a scene of the atlas, as `splatlas-player render --scene`: selects, cuts, turns and fits the camera.
    * @param {number} n index in info().scenes
-   * @returns {{name: string, question: string, caption: string, select: string, camera: object, warnings: string[]}} */
+   * @returns {object} the scene, with `warnings` */
   scene(n, width, height) {
-    const scene = this.#answer('scene', n, width, height);
-    this.camera = scene.camera;
-    this.#cuts = this.info().scenes[n].cuts;
-    return scene;
+    const scene = this.info().scenes[n];
+    if (!scene) throw new SplatlasError('not-found', `scene ${n}: there is none`);
+    const warnings = this.select(scene.select);
+    this.cut(scene.cuts);
+    this.camera = {azimuth: scene.azimuth, elevation: scene.elevation};
+    this.camera = this.#call('fit', this.#state([width, height], {zoom: scene.zoom, center: scene.center}));
+    return {...scene, warnings};
   }
 
   /** Changes the camera: azimuth and elevation in degrees, zoom (1: the atlas fills the picture), center in LPS mm or
@@ -152,33 +207,21 @@ class Splatlas {
    * @param {number} [structure] index; none: the whole selection
    * @returns {object} the camera */
   fit(width, height, structure = -1) {
-    this.#setCamera();
-    this.camera = this.#answer('fit', width, height, structure);
-    return this.camera;
+    return this.camera = this.#call('fit', this.#state([width, height], {structure}));
   }
 
-  /** Replaces the cuts, at most six: each removes the points p with normal.p > offset, in LPS mm.
-   * @param {{normal: number[], offset: number}[]} planes */
+  /** Replaces the cuts, at most six: each removes the points p with normal.p > offset, in LPS mm. Errors come with the
+   * picture. @param {{normal: number[], offset: number}[]} planes */
   cut(planes) {
-    const set = each => {
-      this.#wasm.splatlas_clear_cuts();
-      for (const {normal, offset} of each) this.#call('cut', ...normal, offset);
-    };
-    try {
-      set(planes);
-    } catch (error) {
-      set(this.#cuts);
-      throw error;
-    }
     this.#cuts = [...planes];
   }
 
   /** Options of pictures.
-   * @param {object} options caps: faces of cuts, 'values', 'labels', 'both' (default) or 'none'; depthCue: darken what is
-   *   behind (default false); shading: light boundary voxels (default true); draftBudget: ms for a draft, 0 (default)
-   *   for any */
-  options({caps = 'both', depthCue = false, shading = true, draftBudget = 0} = {}) {
-    this.#call('options', indexOf(kCaps, caps, 'caps'), +depthCue, +shading, draftBudget);
+   * @param {object} options caps: faces of cuts, 'values', 'labels', 'both' (default) or 'none'; depthCue: darken what
+   *   is behind (default false); shading: light boundary voxels (default true); draftBudget: ms for a draft, 0
+   *   (default) for any */
+  options(options = {}) {
+    this.#options = {...options};
   }
 
   /** Renders a picture.
@@ -187,61 +230,46 @@ class Splatlas {
    * @returns {{width: number, height: number, data: Uint8ClampedArray, missing: string[]}} sRGB with straight alpha, as
    *   ImageData; `missing` tells what a damaged atlas lacks */
   render(width, height, quality = 'normal') {
-    for (const side of [width, height]) {
-      if (!Number.isInteger(side)) throw new SplatlasError('usage', `size: ${side}: must be an integer`);
-    }
-    this.#setCamera();
-    this.#values = 0;
-    const missing = this.#answer('render', width, height, indexOf(kQualities, quality, 'quality'));
-    this.#values = 4 * width * height;
-    const pixels = this.#wasm.splatlas_pixels();
-    if (pixels === 0) throw new SplatlasError('limit', 'out of memory');
-    const view = new Uint8ClampedArray(this.#wasm.memory.buffer, pixels, this.#values);
-    return {width, height, data: view.slice(), missing};
+    return this.draw({...this.#state([width, height]), quality});
   }
 
-  /** The latest picture in linear RGBA, premultiplied. @returns {Float32Array} 4 * width * height values */
+  /** Renders a state, whatever was set before: select, camera, cuts, size, quality and the options. Other than the
+   * camera of view(), that of a state may have `fit`: {structure, zoom, center, size} fits it first.
+   * @returns {object} as render(), with the camera, warnings, and drawn() if the selection is another */
+  draw(state) {
+    this.#values = 0;
+    const answer = this.#call('draw', state);
+    const [width, height] = state.size;
+    this.#values = 4 * width * height;
+    return {...answer, width, height, data: this.#engine.pixels(this.#values)};
+  }
+
+  /** The latest picture of a module in linear RGBA, premultiplied. @returns {Float32Array} 4 * width * height values */
   floats() {
-    return new Float32Array(this.#wasm.memory.buffer, this.#wasm.splatlas_floats(), this.#values).slice();
+    return this.#engine.floats(this.#values);
   }
 
   /** The structure that the latest picture shows at picture coordinates; (0.5, 0.5) is the middle of the first pixel.
    * @returns {?{index: number, id: string, name: string, path: string, point: number[]}} point in LPS mm */
   pick(x, y) {
-    return this.#answer('pick', x, y);
+    return this.#call('pick', {at: [x, y]});
   }
 
   /** Counts and times, in ms, of the latest picture. @returns {object} */
   stats() {
-    return this.#answer('stats');
+    return this.#call('stats');
   }
 
-  #setCamera() {
-    const {azimuth = 0, elevation = 0, zoom = 1, center = null, projection = 'parallel', fieldOfView = 30} = this.camera;
-    const [x, y, z] = center ?? [0, 0, 0];
-    const isPerspective = indexOf(['parallel', 'perspective'], projection, 'projection');
-    this.#wasm.splatlas_camera(azimuth, elevation, zoom, center ? 1 : 0, x, y, z, isPerspective, fieldOfView);
+  #state(size, fit = null) {
+    const camera = fit ? {...this.camera, fit} : this.camera;
+    return {size, camera, cuts: this.#cuts, ...this.#options};
   }
 
-  /** Copies the input of the next call. Views of the memory die when it grows: they are made anew after each call. */
-  #give(bytes) {
-    const input = this.#wasm.splatlas_input(bytes.length);
-    if (input === 0) throw new SplatlasError('limit', 'out of memory');
-    new Uint8Array(this.#wasm.memory.buffer, input, bytes.length).set(bytes);
-  }
-
-  /** Calls a function. Returns its text. */
-  #call(name, ...numbers) {
-    const status = this.#wasm['splatlas_' + name](...numbers);
-    const begin = this.#wasm.splatlas_text();
-    const bytes = new Uint8Array(this.#wasm.memory.buffer, begin, this.#wasm.splatlas_text_bytes());
-    const text = new TextDecoder().decode(bytes);
+  /** Calls the engine. @returns its answer */
+  #call(name, values = {}, bytes = new Uint8Array()) {
+    const [status, text] = this.#engine.call(JSON.stringify({call: name, ...values}), bytes);
     if (status !== 0) throw new SplatlasError(kCodes[status - 1], text);
-    return text;
-  }
-
-  #answer(name, ...numbers) {
-    return JSON.parse(this.#call(name, ...numbers));
+    return JSON.parse(text);
   }
 }
 

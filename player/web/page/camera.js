@@ -1,4 +1,4 @@
-// Moves of the camera, as those of the window (player/camera_moves.h). Part of the page's script.
+// Moves of the camera, as those of player/camera_moves.h. Part of the page's script.
 'use strict';
 
 const Camera = (() => {

@@ -83,6 +83,7 @@ class Engine {
   #handlers;
   #module = null;
   #atlas = null;  // bytes; null: on a server
+  #server = null;  // address of the native engine, up to the worker's number
   #remote = null;
   #source;
   #workers = [];  // drafts and picks, and refines; the same one on a single core
@@ -98,21 +99,42 @@ class Engine {
     this.#handlers = handlers;
   }
 
-  /** Compiles the module and starts the workers. Rejects where the browser lacks something. */
+  /** Finds an engine and starts the workers. Rejects where the browser lacks something. */
   async start() {
+    const {url, served} = document.getElementById('atlas').dataset;
+    await (served === undefined ? this.#load(url) : this.#connect());
+    this.#source = URL.createObjectURL(new Blob([block('worker')], {type: 'text/javascript'}));
+    const count = navigator.hardwareConcurrency === 1 && this.#server === null ? 1 : 2;
+    for (let n = 0; n < count; ++n) this.#workers.push(this.#begin(n));
+  }
+
+  /** The program that serves the page has the engine. It plays as long as the page holds a connection to it. */
+  async #connect() {
+    const page = crypto.randomUUID();
+    const alive = new EventSource(`alive?page=${page}`);
+    await new Promise((resolve, reject) => {
+      alive.onopen = resolve;
+      alive.onerror = () => reject(new LoadError('the player does not answer'));
+    });
+    alive.onerror = () => {
+      alive.close();
+      this.#handlers.stopped('it has ended');
+    };
+    this.#server = `${location.origin}/call?page=${page}&worker=`;
+    history.replaceState(null, '', `/${location.hash}`);  // without the token
+  }
+
+  /** The page or its server has the WebAssembly module and the atlas. */
+  async #load(url) {
     const packed = new Blob([takeBytes('module')]);
     const unpacked = new Response(packed.stream().pipeThrough(new DecompressionStream('gzip')));
     this.#module = await WebAssembly.compile(await unpacked.arrayBuffer());
-    const {url} = document.getElementById('atlas').dataset;
     if (url) {
       this.#remote = new RemoteFile(url);
       this.#atlas = await this.#remote.start();
     } else {
       this.#atlas = takeBytes('atlas');
     }
-    this.#source = URL.createObjectURL(new Blob([block('worker')], {type: 'text/javascript'}));
-    const count = navigator.hardwareConcurrency === 1 ? 1 : 2;
-    for (let n = 0; n < count; ++n) this.#workers.push(this.#begin(n));
   }
 
   /** Draws a state: {select, cuts, camera, size, depthCue}. A draft at once, and a finished picture after it. A camera
@@ -144,7 +166,9 @@ class Engine {
       event.preventDefault();
       this.#receive(n, {type: 'fatal', message: event.message || 'a worker has stopped'});
     };
-    worker.postMessage({type: 'start', module: this.#module, atlas: this.#atlas, size: this.#remote?.size});
+    const engine = this.#server ? {server: this.#server + n} :
+      {module: this.#module, atlas: this.#atlas, size: this.#remote?.size};
+    worker.postMessage({type: 'start', ...engine});
     return worker;
   }
 

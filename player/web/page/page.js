@@ -44,6 +44,7 @@ class Page {
     window.addEventListener('error', event => this.#tell(`Something has failed in this page: ${event.message}`));
     startTabs();
     this.#startDisplay();
+    byId('opening-picture').hidden = byId('opening-picture').src.endsWith(',');
     try {
       await this.#engine.start();
     } catch (error) {

@@ -1,6 +1,6 @@
-// A worker of the page: draws and picks with the module. Follows splatlas.js in one script.
+// A worker of the page: draws and picks by an engine. Follows splatlas.js in one script.
 //
-// From the page:  {type: 'start', module, atlas or size}, 'given' and 'withheld' pieces of an atlas on a server, and then
+// From the page:  {type: 'start', server, or module with atlas or size}, 'given' and 'withheld' pieces of an atlas on a server, and then
 //                 {type: 'draw'}, {type: 'pick'} and {type: 'measure'}; see engine.js.
 // To the page:    'wanted' pieces, 'ready', 'picture', 'picked', 'measured', 'error' (the worker goes on) and 'fatal' (it
 //                 does not).
@@ -13,7 +13,6 @@ const kMaxGrowth = 1.25;
 
 let opening = null;    // the module until its atlas is open
 let splatlas = null;
-let selected = null;   // text of the module's selection
 let scale = 1;         // size of drafts, relative to the size asked for
 let latest = null;     // {serial, width, height} of the latest picture
 let requests = {};     // the newest of each type
@@ -39,12 +38,11 @@ function wake() {
   channel.port2.postMessage(null);
 }
 
-async function start({module, atlas, size: bytes}) {
+async function start({server, module, atlas, size: bytes}) {
   size = bytes ?? null;
   try {
-    const loaded = await Splatlas.load(module);
-    if (atlas) loaded.open(atlas);
-    opening = loaded;
+    opening = server ? Splatlas.connect(server) : await Splatlas.load(module);
+    if (atlas) opening.open(atlas);
   } catch (error) {
     return fail(error, 0, true);
   }
@@ -114,39 +112,29 @@ function attempt(task, request) {
     const answer = complete(() => task(request));
     if (answer) return self.postMessage({serial, ...answer}, answer.data ? [answer.data.buffer] : []);
     waiting[type] = request;
-    selected = latest = null;  // the module leaves out what is missing until it selects anew
+    latest = null;
     return undefined;
   } catch (error) {
     return fail(error, serial, !(error instanceof Splatlas.Error), type);
   }
 }
 
-/** `of`: the type of the request; only one to draw leaves the page without a picture. */
+/** `of`: the type of the request; only one to draw leaves the page without a picture. A server ends a refinement when
+ * its page asks for a newer picture. */
 function fail(error, serial, isFatal, of = '') {
+  if (error.code === 'cancelled') return;
   self.postMessage({type: isFatal ? 'fatal' : 'error', of, serial, message: String(error.message ?? error)});
 }
 
 function drawPicture(request) {
-  const isNew = request.select !== selected;
-  const warnings = isNew ? select(request.select) : [];
   const begin = performance.now();
-  const shrink = request.quality === 'draft' ? scale : 1;
-  const picture = renderWithinMemory(request, shrink);
-  if (request.quality === 'draft' && !isNew) adapt(performance.now() - begin, request.budget);
-  return {
-    type: 'picture', quality: request.quality, camera: splatlas.camera, warnings,
-    drawn: isNew ? splatlas.drawn() : null, isFitted: Boolean(request.camera.fit), ...picture,
-  };
+  const isDraft = request.quality === 'draft';
+  const picture = renderWithinMemory(request, isDraft ? scale : 1);
+  if (isDraft && !picture.drawn) adapt(performance.now() - begin, request.budget);
+  return {type: 'picture', quality: request.quality, isFitted: Boolean(request.camera.fit), ...picture};
 }
 
-function select(text) {
-  selected = null;
-  const warnings = splatlas.select(text);
-  selected = text;
-  return warnings;
-}
-
-/** Many translucent surfaces may take more than the module's memory: then a draft of full size. */
+/** Many translucent surfaces may take more than the engine's memory: then a draft of full size. */
 function renderWithinMemory(request, shrink) {
   try {
     return render(request, shrink);
@@ -156,18 +144,14 @@ function renderWithinMemory(request, shrink) {
   }
 }
 
-function render({serial, cuts, depthCue, budget, camera, size, quality}, shrink) {
+function render({serial, select, cuts, depthCue, budget, camera, size, quality}, shrink) {
   latest = null;
-  splatlas.cut(cuts);
-  splatlas.options({depthCue: depthCue && quality !== 'draft', draftBudget: budget});
-  const {fit, ...placed} = camera;
-  splatlas.camera = placed;
-  if (fit) {
-    const {zoom, center} = splatlas.fit(...size, fit.structure);
-    splatlas.view({zoom: zoom * fit.zoom, center: fit.center ?? center});
-  }
   const [width, height] = size.map(side => Math.max(1, Math.round(side * shrink)));
-  const picture = splatlas.render(width, height, quality);
+  const placed = camera.fit ? {...camera, fit: {...camera.fit, size}} : camera;
+  const picture = splatlas.draw({
+    select, cuts, camera: placed, size: [width, height], quality,
+    depthCue: depthCue && quality !== 'draft', draftBudget: budget,
+  });
   latest = {serial, width, height};
   return picture;
 }
@@ -179,7 +163,7 @@ function adapt(ms, budget) {
 }
 
 function answerMeasure({state}) {
-  if (state.select !== selected) select(state.select);
+  splatlas.select(state.select);
   splatlas.cut(state.cuts);
   splatlas.camera = state.camera;
   return {type: 'measured', zoom: splatlas.fit(...state.size).zoom};
@@ -187,10 +171,7 @@ function answerMeasure({state}) {
 
 /** Picks in the page's newest state. The latest picture is of another one only after an error. */
 function answerPick({serial, state, u, v}) {
-  if (latest?.serial !== serial) {
-    if (state.select !== selected) select(state.select);
-    render({...state, serial, budget: 0, quality: 'draft'}, 1);
-  }
+  if (latest?.serial !== serial) render({...state, serial, budget: 0, quality: 'draft'}, 1);
   return {type: 'picked', picked: splatlas.pick(u * latest.width, v * latest.height)};
 }
 })();

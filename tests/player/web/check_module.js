@@ -11,21 +11,13 @@ const fs = require('node:fs');
 const path = require('node:path');
 require('../../../player/web/splatlas.js');
 
-const kCaps = ['values', 'labels', 'both', 'none'];
-const kQualities = ['draft', 'normal', 'high'];
 const kImports = ['wasi_snapshot_preview1.clock_time_get', 'wasi_snapshot_preview1.proc_exit'];
-const kExports = ['__wasm_call_ctors', 'memory', 'splatlas_camera', 'splatlas_clear_cuts', 'splatlas_cut',
-  'splatlas_drawn', 'splatlas_fit', 'splatlas_floats', 'splatlas_give', 'splatlas_info', 'splatlas_input', 'splatlas_open',
-  'splatlas_open_remote', 'splatlas_options', 'splatlas_pick', 'splatlas_pixels', 'splatlas_render', 'splatlas_scene', 'splatlas_select', 'splatlas_stats',
-  'splatlas_text', 'splatlas_text_bytes', 'splatlas_wanted'];
+const kExports = ['__wasm_call_ctors', 'memory', 'splatlas_call', 'splatlas_floats', 'splatlas_input', 'splatlas_pixels',
+  'splatlas_text', 'splatlas_text_bytes'];
 
 function draw(splatlas, atlas, scene) {
   splatlas.open(atlas);
-  splatlas.select(scene.select);
-  splatlas.view(scene.camera);
-  splatlas.cut(scene.cuts);
-  splatlas.options({caps: kCaps[scene.caps], depthCue: scene.depthCue, shading: scene.shading});
-  splatlas.render(...scene.size, kQualities[scene.quality]);
+  splatlas.draw(scene);
   return splatlas.floats();
 }
 

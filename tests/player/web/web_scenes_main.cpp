@@ -1,20 +1,22 @@
-// splatlas-web-scenes FOLDER: draws random scenes by the web API and by the renderer, which must agree to the
-// bit, and writes each for the module's test: N.atlas, N.json, N.floats, the picture, and N.picks. Also
+// splatlas-web-scenes FOLDER: draws random scenes by a page's engine and by the renderer, which must agree to
+// the bit, and writes each for the module's test: N.atlas, N.json, N.floats, the picture, and N.picks. Also
 // phantom.atlas, lesson.atlas for a page, and hostile atlases.
 #include <algorithm>
+#include <array>
 #include <cstdio>
-#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "format/atlas_writer.h"
-#include "player/web/web_api.h"
+#include "player/web/page_engine.h"
+#include "player/web/page_state.h"
 #include "tests/fuzz/mutators.h"
 #include "tests/support/phantom_content.h"
 #include "tests/support/random_scene.h"
@@ -32,17 +34,12 @@ void write_file(const std::filesystem::path& path, const T* data, std::size_t co
   if (!out.flush()) throw std::runtime_error(path.string() + ": cannot be written");
 }
 
-void give(const void* data, std::size_t bytes) {
-  std::uint8_t* const input = splatlas_input(static_cast<std::uint32_t>(bytes));
-  if (bytes > 0) std::memcpy(input, data, bytes);
-}
-
-std::string text() {
-  return {splatlas_text(), splatlas_text_bytes()};
-}
-
-void require(int status) {
-  if (status != 0) throw std::runtime_error(text());
+/// Calls the engine. Throws its message.
+std::string ask(PageEngine& engine, Json request, const char* call, Bytes bytes = {}) {
+  request["call"] = call;
+  PageAnswer answer = engine.call(request.dump(), std::move(bytes));
+  if (answer.status != 0) throw std::runtime_error(answer.text);
+  return std::move(answer.text);
 }
 
 /// A scene that the module can draw, and the options that its API has.
@@ -59,75 +56,50 @@ bool is_for_module(RandomScene& scene) {
   return !scene.selection.empty();
 }
 
-bool is_perspective(const Camera& camera) {
-  return camera.projection == CameraProjection::kPerspective;
-}
-
-/// The scene as JSON, for check_module.js.
-Json json_of(const RandomScene& scene, const std::string& select) {
-  const auto& [camera, options] = std::tie(scene.camera, scene.options);
+/// The scene as a state of page_state_of().
+Json state_of(const RandomScene& scene, const std::string& select) {
+  const RenderOptions& options = scene.options;
   Json cuts = Json::array();
   for (const CutPlane& cut : options.cuts)
     cuts.push_back({{"normal", cut.normal_lps}, {"offset", cut.offset_mm}});
-  Json json{{"select", select},
-            {"camera",
-             {{"azimuth", camera.azimuth_deg},
-              {"elevation", camera.elevation_deg},
-              {"zoom", camera.zoom},
-              {"projection", is_perspective(camera) ? "perspective" : "parallel"},
-              {"fieldOfView", camera.field_of_view_deg}}},
-            {"cuts", cuts},
-            {"caps", static_cast<int>(options.caps)},
-            {"depthCue", options.depth_cue == DepthCue::kEdges},
-            {"shading", options.hybrid_shading},
-            {"quality", static_cast<int>(options.quality)},
-            {"size", {options.size.width, options.size.height}}};
-  if (camera.center_lps_mm) json["camera"]["center"] = *camera.center_lps_mm;
-  return json;
-}
-
-/// Draws by the web API.
-void draw(const RandomScene& scene, const Bytes& atlas, const std::string& select) {
-  const auto& [camera, options] = std::tie(scene.camera, scene.options);
-  give(atlas.data(), atlas.size());
-  require(splatlas_open());
-  give(select.data(), select.size());
-  require(splatlas_select());
-  const Vec3 center = camera.center_lps_mm.value_or(Vec3{});
-  splatlas_camera(camera.azimuth_deg, camera.elevation_deg, camera.zoom, camera.center_lps_mm ? 1 : 0,
-                  center[0], center[1], center[2], is_perspective(camera) ? 1 : 0, camera.field_of_view_deg);
-  splatlas_clear_cuts();
-  for (const auto& [n, offset] : options.cuts) require(splatlas_cut(n[0], n[1], n[2], offset));
-  require(splatlas_options(static_cast<int>(options.caps), static_cast<int>(options.depth_cue),
-                           options.hybrid_shading ? 1 : 0, 0));
-  require(splatlas_render(options.size.width, options.size.height, static_cast<int>(options.quality)));
+  constexpr std::array kCaps{"values", "labels", "both", "none"};
+  constexpr std::array kQualities{"draft", "normal", "high"};
+  return {{"select", select},
+          {"camera", json_of(scene.camera)},
+          {"cuts", cuts},
+          {"caps", kCaps[static_cast<std::size_t>(options.caps)]},
+          {"depthCue", options.depth_cue == DepthCue::kEdges},
+          {"shading", options.hybrid_shading},
+          {"quality", kQualities[static_cast<std::size_t>(options.quality)]},
+          {"size", {options.size.width, options.size.height}}};
 }
 
 /// Draws and writes the n-th scene.
 void write_scene(RandomScene& scene, std::uint32_t n, const std::filesystem::path& folder) {
   const Bytes atlas = value_or_throw(encode_atlas(scene.content));
   const std::string select = to_text(scene.selection, scene.content.graph);
-  draw(scene, atlas, select);
-  const std::size_t values =
-      4 * static_cast<std::size_t>(scene.options.size.width * scene.options.size.height);
+  const Json state = state_of(scene, select);
+  PageEngine engine({.threads = 1});
+  ask(engine, {}, "open", atlas);
+  ask(engine, state, "draw");
 
   Renderer renderer(value_or_throw(Atlas::open_bytes(atlas)), {.threads = 1});
   value_or_throw(renderer.select(value_or_throw(Selection::parse(select, scene.content.graph))));
   const Frame frame = value_or_throw(renderer.render(scene.camera, scene.options));
-  if (!std::equal(frame.picture.rgba.begin(), frame.picture.rgba.end(), splatlas_floats()))
-    throw std::runtime_error(fmt::format("scene {}: the web API draws another picture than the renderer", n));
+  if (frame.picture.rgba != engine.frame().picture.rgba)
+    throw std::runtime_error(fmt::format("scene {}: the engine draws another picture than the renderer", n));
 
   const auto path = [&](const char* ending) { return folder / fmt::format("{}.{}", n, ending); };
-  const std::string json = json_of(scene, select).dump();
+  const std::string json = state.dump();
   write_file(path("atlas"), atlas.data(), atlas.size());
   write_file(path("json"), json.data(), json.size());
-  write_file(path("floats"), splatlas_floats(), values);
+  write_file(path("floats"), frame.picture.rgba.data(), frame.picture.rgba.size());
   Json picks = Json::array();
   for (std::uint32_t pick = 0; pick < kPicks; ++pick) {  // around the middle
     const double x = scene.options.size.width * (0.4 + 0.2 * (pick % 2));
     const double y = scene.options.size.height * (0.4 + 0.2 * (pick / 2));
-    require(splatlas_pick(x, y));
-    picks.push_back({{"at", {x, y}}, {"answer", Json::parse(text())}});
+    const Json at{{"at", {x, y}}};
+    picks.push_back({{"at", {x, y}}, {"answer", Json::parse(ask(engine, at, "pick"))}});
   }
   const std::string answers = picks.dump();
   write_file(path("picks"), answers.data(), answers.size());
@@ -178,16 +150,13 @@ void write_hostile(const std::filesystem::path& folder) {
     for (std::uint32_t mutations = 0; mutations < 2 + n % 3; ++mutations)
       atlas = mutate_atlas(std::move(atlas), std::size_t{1} << 16, random, mutate_bytes);
     write_file(folder / fmt::format("{}.atlas", n), atlas.data(), atlas.size());
-    give(atlas.data(), atlas.size());
-    if (splatlas_open() != 0) continue;
-    const std::string select = "*:both";
-    give(select.data(), select.size());
-    if (splatlas_select() != 0) continue;
-    splatlas_camera(20, 10, 1, 0, 0, 0, 0, 0, 30);
-    splatlas_clear_cuts();
-    require(splatlas_options(0, 0, 1, 0));
-    if (splatlas_render(32, 32, 1) != 0 || !text().starts_with("[]")) continue;
-    write_file(folder / fmt::format("{}.floats", n), splatlas_floats(), 4 * 32 * 32);
+    PageEngine engine({.threads = 1});
+    if (engine.call(R"({"call": "open"})", atlas).status != 0) continue;
+    const PageAnswer drawn = engine.call(
+        R"({"call": "draw", "select": "*:both", "size": [32, 32], "caps": "values", "camera": {"azimuth": 20, "elevation": 10}})");
+    if (drawn.status != 0 || !Json::parse(drawn.text).at("missing").empty()) continue;
+    write_file(folder / fmt::format("{}.floats", n), engine.frame().picture.rgba.data(),
+               engine.frame().picture.rgba.size());
   }
 }
 

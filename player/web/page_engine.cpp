@@ -1,0 +1,266 @@
+#include "player/web/page_engine.h"
+
+#include <exception>
+#include <new>
+#include <span>
+#include <stdexcept>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "format/io/input_file.h"
+#include "format/result_macros.h"
+#include "format/tasks/task_control.h"
+#include "format/text/json_text.h"
+#include "player/camera_moves.h"
+#include "player/web/info_json.h"
+#include "player/web/page_state.h"
+#include "player/web/render_warnings.h"
+
+namespace splatlas {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kAtlasName = "atlas";
+
+Json drawn_json(const Selection& selection) {
+  Json json = Json::array();
+  for (const StructureDraw& draw : selection.structures) {
+    const bool is_ghost = draw.mode == DrawMode::kSurface && draw.ghost;
+    Json entry = Json::array({is_ghost ? "ghost" : name_of(draw.mode)});
+    if (draw.mode != DrawMode::kOff) {
+      entry.push_back(draw.opacity ? Json(*draw.opacity) : Json());
+      entry.push_back(to_hex(draw.color));
+    }
+    json.push_back(std::move(entry));
+  }
+  return json;
+}
+
+Json stats_json(const RenderStats& stats) {
+  return {{"volume_voxels", stats.volume_voxels},
+          {"surface_voxels", stats.surface_voxels},
+          {"hybrid_voxels", stats.hybrid_voxels},
+          {"runs_visited", stats.runs_visited},
+          {"voxels_visited", stats.voxels_visited},
+          {"triangles", stats.triangles},
+          {"level", stats.level},
+          {"surface_level", stats.surface_level},
+          {"ms",
+           {{"select", stats.select_ms},
+            {"decode", stats.decode_ms},
+            {"render", stats.render_ms},
+            {"traversal", stats.traversal.wall_ms},
+            {"rasterize", stats.rasterize.wall_ms},
+            {"sheets", stats.sheets.wall_ms},
+            {"resolve", stats.resolve.wall_ms},
+            {"depth_cue", stats.depth_cue.wall_ms}}}};
+}
+
+Json pick_json(const std::optional<Pick>& pick, const StructureGraph& graph) {
+  if (!pick) return nullptr;
+  return {{"index", pick->structure},
+          {"id", graph[pick->structure].id},
+          {"name", graph[pick->structure].name},
+          {"path", graph.paths(pick->structure, 1).front()},
+          {"point", pick->point_lps_mm}};
+}
+
+/// Fits the camera of a state to the selection, or to its part in a structure and its descendants.
+Result<Camera> fit(Renderer& renderer, const PageState& state, const PageFit& fit) {
+  const StructureGraph& graph = renderer.atlas().graph();
+  std::optional<std::vector<StructureIndex>> part;
+  if (fit.structure >= 0) {
+    const auto index = static_cast<StructureIndex>(fit.structure);
+    if (index >= graph.size())
+      return fail(ErrorCode::kNotFound, "structure {}: the atlas has {}", index, graph.size());
+    part = graph.descendants(index);
+  }
+  RenderOptions options = state.options;
+  options.quality = Quality::kDraft;
+  if (fit.size) options.size = *fit.size;
+  SPLATLAS_ASSIGN_OR_RETURN(Camera camera, renderer.fit(state.camera, options, part));
+  camera = zoomed(camera, fit.zoom);
+  if (fit.center_lps_mm) camera.center_lps_mm = fit.center_lps_mm;
+  return camera;
+}
+
+}  // namespace
+
+/// The calls by name.
+struct PageEngine::Call {
+  PageEngine& engine;
+  const Json& request;
+  std::vector<std::byte>& bytes;
+  const RenderControl& control;
+
+  Result<Renderer*> renderer() const {
+    if (engine.renderer_) return &*engine.renderer_;
+    return fail(ErrorCode::kUsage, "no atlas is open");
+  }
+
+  /// A count of bytes. Throws std::runtime_error for other numbers.
+  std::uint64_t bytes_at(const char* key) const {
+    constexpr double kMost = 1e15;
+    const double count = request.at(key).get<double>();
+    if (!(count >= 0 && count <= kMost)) throw std::runtime_error(fmt::format("{}: {}", key, count));
+    return static_cast<std::uint64_t>(count);
+  }
+
+  void close() const {
+    engine.frame_ = {};
+    engine.renderer_.reset();
+    engine.selected_.reset();
+  }
+
+  Result<Json> open() const {
+    close();
+    engine.remote_.reset();
+    SPLATLAS_ASSIGN_OR_RETURN(auto atlas, Atlas::open_bytes(std::move(bytes), kAtlasName));
+    engine.open(std::move(atlas));
+    return Json();
+  }
+
+  Result<Json> open_remote() const {
+    if (engine.renderer_ || !engine.remote_) engine.remote_ = std::make_shared<RemoteBytes>();
+    close();
+    const auto read = [remote = engine.remote_](std::uint64_t offset, std::span<std::byte> to) {
+      return remote->read(offset, to);
+    };
+    SPLATLAS_ASSIGN_OR_RETURN(auto atlas, Atlas::open_file(InputFile(bytes_at("size"), read, kAtlasName)));
+    engine.open(std::move(atlas));
+    return Json();
+  }
+
+  /// A selection with missed pieces leaves them out, until it is made anew.
+  Result<Json> wanted() const {
+    Json ranges = Json::array();
+    if (engine.remote_) {
+      for (const ByteRange& range : engine.remote_->take_missed())
+        ranges.push_back({range.offset, range.bytes});
+    }
+    if (!ranges.empty()) engine.selected_.reset();
+    return ranges;
+  }
+
+  Result<Json> give() const {
+    if (!engine.remote_) return fail(ErrorCode::kUsage, "no atlas on a server is open");
+    engine.remote_->give(bytes_at("offset"), std::move(bytes));
+    return Json();
+  }
+
+  /// Selects. Returns warnings.
+  Result<Json> select() const {
+    SPLATLAS_ASSIGN_OR_RETURN(Renderer* const renderer, this->renderer());
+    const Atlas& atlas = renderer->atlas();
+    const auto& text = request.at("select").get_ref<const std::string&>();
+    const TaskControl task({}, {}, &atlas.work_budget());
+    SPLATLAS_ASSIGN_OR_RETURN(const auto terms, parse_selection(text));
+    SPLATLAS_ASSIGN_OR_RETURN(const Selection selection, resolve_selection(terms, atlas.graph()));
+    SPLATLAS_ASSIGN_OR_RETURN(const auto warnings, selection_warnings(terms, atlas));
+    SPLATLAS_RETURN_IF_ERROR(renderer->select(selection));
+    engine.selected_ = text;
+    return Json(warnings);
+  }
+
+  bool is_other_selection() const {
+    const auto text = request.find("select");
+    return text != request.end() && engine.selected_ != text->get_ref<const std::string&>();
+  }
+
+  Result<Json> drawn() const {
+    SPLATLAS_ASSIGN_OR_RETURN(const Renderer* const renderer, this->renderer());
+    return drawn_json(renderer->selection());
+  }
+
+  Result<Json> fit_camera() const {
+    SPLATLAS_ASSIGN_OR_RETURN(Renderer* const renderer, this->renderer());
+    SPLATLAS_ASSIGN_OR_RETURN(const PageState state, page_state_of(request));
+    if (is_other_selection()) SPLATLAS_RETURN_IF_ERROR(select());
+    SPLATLAS_ASSIGN_OR_RETURN(const Camera camera, fit(*renderer, state, state.fit.value_or(PageFit{})));
+    return json_of(camera);
+  }
+
+  Result<Json> draw() const {
+    SPLATLAS_ASSIGN_OR_RETURN(Renderer* const renderer, this->renderer());
+    SPLATLAS_ASSIGN_OR_RETURN(PageState state, page_state_of(request));
+    Json answer;
+    const bool is_new = is_other_selection();
+    answer["warnings"] = Json::array();
+    if (is_new) {
+      SPLATLAS_ASSIGN_OR_RETURN(answer["warnings"], select());
+    }
+    if (state.fit) {
+      SPLATLAS_ASSIGN_OR_RETURN(state.camera, fit(*renderer, state, *state.fit));
+    }
+    answer["camera"] = json_of(state.camera);
+    if (is_new) answer["drawn"] = drawn_json(renderer->selection());
+    Result<void> rendered = renderer->render(state.camera, state.options, engine.frame_, control);
+    if (!rendered) {
+      engine.frame_ = {};
+      return tl::unexpected(std::move(rendered).error());
+    }
+    answer["missing"] = Json::array();
+    for (const MissingPart& part : engine.frame_.missing)
+      answer["missing"].push_back(describe(part, renderer->atlas().graph()));
+    return answer;
+  }
+
+  Result<Json> pick() const {
+    SPLATLAS_ASSIGN_OR_RETURN(const Renderer* const renderer, this->renderer());
+    const Json& at = request.at("at");
+    const auto pick = engine.frame_.pick(at.at(0).get<double>(), at.at(1).get<double>());
+    return pick_json(pick, renderer->atlas().graph());
+  }
+
+  Result<std::string> text() const {
+    const auto& name = request.at("call").get_ref<const std::string&>();
+    if (name == "info") {
+      SPLATLAS_ASSIGN_OR_RETURN(const Renderer* const renderer, this->renderer());
+      return info_json(renderer->atlas());
+    }
+    SPLATLAS_ASSIGN_OR_RETURN(const Json answer, by_name(name));
+    return json_text(answer, -1);
+  }
+
+  Result<Json> by_name(const std::string& name) const {
+    if (name == "draw") return draw();
+    if (name == "pick") return pick();
+    if (name == "fit") return fit_camera();
+    if (name == "select") return select();
+    if (name == "drawn") return drawn();
+    if (name == "stats") return stats_json(engine.frame_.stats);
+    if (name == "open") return open();
+    if (name == "openRemote") return open_remote();
+    if (name == "wanted") return wanted();
+    if (name == "give") return give();
+    return fail(ErrorCode::kUsage, "{}: no such call", name);
+  }
+};
+
+void PageEngine::open(std::shared_ptr<const Atlas> atlas) {
+  renderer_.emplace(std::move(atlas), options_);
+  selected_.reset();
+}
+
+PageAnswer PageEngine::call(std::string_view request, std::vector<std::byte> bytes,
+                            const RenderControl& control) {
+  const auto failed = [](ErrorCode code, const char* message) {
+    return PageAnswer{.status = 1 + static_cast<int>(code), .text = message};
+  };
+  try {
+    const Json json = Json::parse(request);
+    const Result<std::string> text = Call{*this, json, bytes, control}.text();
+    if (!text) return failed(text.error().code, text.error().message.c_str());
+    return {.text = *text, .has_picture = json.at("call") == "draw"};
+  } catch (const std::bad_alloc&) {
+    return failed(ErrorCode::kLimit, "out of memory");
+  } catch (const nlohmann::json::exception& error) {
+    return failed(ErrorCode::kUsage, error.what());
+  } catch (const std::exception& error) {
+    return failed(ErrorCode::kFailed, error.what());
+  }
+}
+
+}  // namespace splatlas

@@ -1,0 +1,64 @@
+// The player behind a page: answers requests as JSON, in a WebAssembly module as in a server.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "player/renderer.h"
+#include "player/web/remote_bytes.h"
+
+namespace splatlas {
+
+/// An answer: 0 and a text, usually JSON, or 1 + ErrorCode and a message of one line.
+struct PageAnswer {
+  int status = 0;
+  std::string text;
+  bool has_picture = false;  ///< PageEngine::frame() is the picture that was asked for
+};
+
+/// An atlas with one selection and the latest picture. Not thread-safe.
+class PageEngine {
+ public:
+  explicit PageEngine(const RendererOptions& options = {}) : options_(options) {}
+
+  /// Plays an atlas in place of the one before. Nothing is selected. Throws std::bad_alloc.
+  void open(std::shared_ptr<const Atlas> atlas);
+
+  /// Answers a request, a JSON object {"call": NAME, ...}, and `bytes` for "open" and "give". Errors keep the
+  /// selection. Never throws. Requests with their answers; see page_state_of() for a state:
+  ///
+  ///   open                        opens the atlas in `bytes`. ""
+  ///   openRemote {size}           opens an atlas of that many bytes on a server; fails until "give" has
+  ///                               brought what "wanted" names. ""
+  ///   wanted                      the ranges that calls have missed since: [[offset, bytes], ...]. After a
+  ///                               picture that wanted some, give them and draw again
+  ///   give {offset}               adds `bytes` as a piece of the file. ""
+  ///   info                        the document of `splatlas-player info --json`
+  ///   select {select}             selects by a text (format/content/selection.h). An array of warnings
+  ///   drawn                       mode, opacity and colour of each structure: [["surface", 0.4, "#c0392b"],
+  ///                               ["off"], ...]; the opacity is null where it is the default
+  ///   fit {state}                 the camera that shows the selection, or its part in a structure
+  ///   draw {state}                draws. {camera, warnings, missing, drawn if the selection is another}
+  ///   pick {at}                   the structure at [x, y] of the latest picture, and its point; or null
+  ///   stats                       counts and times of the latest picture
+  [[nodiscard]] PageAnswer call(std::string_view request, std::vector<std::byte> bytes = {},
+                                const RenderControl& control = {});
+
+  /// The latest picture; empty after an error in drawing it.
+  [[nodiscard]] const Frame& frame() const { return frame_; }
+
+ private:
+  struct Call;
+
+  RendererOptions options_;
+  std::shared_ptr<RemoteBytes> remote_;  // of the atlas that is open, or is being opened
+  std::optional<Renderer> renderer_;
+  std::optional<std::string> selected_;  // text of the selection
+  Frame frame_;
+};
+
+}  // namespace splatlas

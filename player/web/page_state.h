@@ -1,0 +1,38 @@
+// What a page asks an engine to draw, as JSON.
+#pragma once
+
+#include <optional>
+
+#include <nlohmann/json.hpp>
+
+#include "format/result.h"
+#include "player/camera.h"
+#include "player/render_options.h"
+
+namespace splatlas {
+
+/// How a page frames a selection.
+struct PageFit {
+  int structure = -1;                                ///< index; -1: the whole selection
+  double zoom = 1;                                   ///< relative to the fit
+  std::optional<Vec3> center_lps_mm = std::nullopt;  ///< in place of the middle
+  std::optional<PictureSize> size = std::nullopt;    ///< of the picture to fit; none: that of the state
+};
+
+/// A camera, or its fit, and the options of a picture.
+struct PageState {
+  Camera camera;
+  std::optional<PageFit> fit;
+  RenderOptions options;
+};
+
+/// Reads {size: [width, height], quality, camera: {azimuth, elevation, zoom, center, projection, fieldOfView,
+/// fit: {structure, zoom, center, size}}, select, cuts: [{normal, offset}], caps, depthCue, shading,
+/// draftBudget}: degrees, LPS mm and ms. All but the size have the defaults of Camera and RenderOptions.
+/// kUsage for values that these do not have; throws nlohmann::json::exception for other types.
+[[nodiscard]] Result<PageState> page_state_of(const nlohmann::ordered_json& json);
+
+/// The camera as in a state, without a fit.
+[[nodiscard]] nlohmann::ordered_json json_of(const Camera& camera);
+
+}  // namespace splatlas

@@ -1,0 +1,46 @@
+// Who may talk to the server of a page: its own page alone.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "format/result.h"
+
+namespace splatlas {
+
+/// What a request tells of its sender.
+struct Knock {
+  std::string_view host;    ///< header Host
+  std::string_view origin;  ///< header Origin; empty: none
+  std::string_view token;   ///< of the address; empty: none
+  std::string_view cookie;  ///< of the door's name; empty: none
+};
+
+/// The door of a server on 127.0.0.1: a random token in the address, and later in a cookie. Thread-safe.
+class Door {
+ public:
+  /// Draws a token of 128 bits. kFailed if the system has no random numbers.
+  [[nodiscard]] static Result<Door> create();
+
+  /// True if the token or the cookie is right, the host is this machine by its loopback address or name, and
+  /// the origin, if given, is that host. The port may be another: that of a tunnel.
+  [[nodiscard]] bool admits(const Knock& knock) const;
+
+  /// http://127.0.0.1:PORT/?token=TOKEN
+  [[nodiscard]] std::string address(std::uint16_t port) const;
+  /// Random: a host has one set of cookies for all its ports.
+  [[nodiscard]] const std::string& cookie_name() const { return cookie_name_; }
+  /// The header Set-Cookie.
+  [[nodiscard]] std::string cookie() const;
+
+ private:
+  Door(std::string token, std::string cookie_name)
+      : token_(std::move(token)), cookie_name_(std::move(cookie_name)) {}
+  [[nodiscard]] bool is_token(std::string_view text) const;
+
+  std::string token_, cookie_name_;
+};
+
+}  // namespace splatlas

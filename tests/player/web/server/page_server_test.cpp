@@ -1,0 +1,221 @@
+// The server of a page: whom it lets in, what it answers, and what ends a picture.
+#include "player/web/server/page_server.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstring>
+#include <random>
+#include <thread>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "player/web/page_engine.h"
+#include "player/web/server/door.h"
+#include "tests/player/web/server/loopback_client.h"
+#include "tests/support/phantom_content.h"
+#include "tests/support/render.h"
+
+namespace splatlas {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using testing::HasSubstr;
+
+constexpr const char* kPage = "<p>The page</p>";
+
+/// An answer of /call.
+struct CallReply {
+  int http = 0;
+  std::uint32_t status = 0;
+  std::string text = {}, pixels = {};
+};
+
+class PageServerTest : public testing::Test {
+ protected:
+  [[nodiscard]] std::uint16_t port() const { return port_; }
+  [[nodiscard]] std::string query(const std::string& more = "") const { return "?token=" + token_ + more; }
+
+  [[nodiscard]] HttpReply get(const std::string& target, const std::string& headers) const {
+    return reply_to(port_, fmt::format("GET {} HTTP/1.1\r\nConnection: close\r\n{}\r\n", target, headers));
+  }
+  [[nodiscard]] std::string own_host() const { return fmt::format("Host: 127.0.0.1:{}\r\n", port_); }
+
+  [[nodiscard]] std::string post(const std::string& target, const std::string& body) const {
+    return fmt::format("POST {} HTTP/1.1\r\nConnection: close\r\n{}Content-Length: {}\r\n\r\n{}", target,
+                       own_host(), body.size(), body);
+  }
+  [[nodiscard]] CallReply call(int worker, const std::string& request) const {
+    const HttpReply reply = reply_to(
+        port_, post(fmt::format("/call{}", query(fmt::format("&page=p&worker={}", worker))), request));
+    CallReply answer{.http = reply.status};
+    if (reply.status != 200) return answer;
+    std::array<std::uint32_t, 2> head{};
+    std::memcpy(head.data(), reply.body.data(), sizeof head);
+    answer.status = head[0];
+    answer.text = reply.body.substr(sizeof head, head[1]);
+    answer.pixels = reply.body.substr(sizeof head + head[1]);
+    return answer;
+  }
+
+  /// Opens page p, which is open as long as the connection.
+  [[nodiscard]] std::unique_ptr<LoopbackClient> open_page() const {
+    auto page = std::make_unique<LoopbackClient>(port_);
+    page->send(fmt::format("GET /alive{} HTTP/1.1\r\n{}\r\n", query("&page=p"), own_host()));
+    EXPECT_THAT(page->receive("\r\n\r\n"), HasSubstr("text/event-stream"));
+    return page;
+  }
+
+  const std::shared_ptr<const Atlas> atlas_ = open_in_memory(phantom_content());
+  const std::unique_ptr<PageServer> server_ =
+      value_or_throw(PageServer::start({.atlas = atlas_, .html = kPage, .renderer = {.threads = 2}}));
+  const std::string address_ = server_->address();
+  const std::string token_ = address_.substr(address_.find('=') + 1);
+  const std::uint16_t port_ = static_cast<std::uint16_t>(std::stoi(address_.substr(address_.rfind(':') + 1)));
+};
+
+TEST_F(PageServerTest, AdmitsItsOwnPageAlone) {
+  const HttpReply page = get("/" + query(), own_host());
+  EXPECT_EQ(page.status, 200);
+  EXPECT_EQ(page.body, kPage);
+  const std::size_t cookie = page.head.find("Set-Cookie: ") + 12;
+  const std::string given = page.head.substr(cookie, page.head.find(';', cookie) - cookie);
+  EXPECT_EQ(get("/", own_host() + "Cookie: " + given + "\r\n").status, 200);
+  EXPECT_EQ(get("/" + query(), fmt::format("Host: localhost:8000\r\n")).status, 200) << "a tunnel";
+  EXPECT_EQ(get("/" + query(), own_host() + fmt::format("Origin: http://127.0.0.1:{}\r\n", port())).status,
+            200);
+
+  const std::string wrong_token = "?token=" + std::string(token_.size(), '0');
+  for (const auto& [target, headers] : {std::pair<std::string, std::string>{"/", own_host()},
+                                        {"/" + wrong_token, own_host()},
+                                        {"/?token=", own_host()},
+                                        {"/nothing", own_host()},
+                                        {"/" + query(), "Host: evil.example\r\n"},
+                                        {"/" + query(), "Host: 127.0.0.1.evil.example\r\n"},
+                                        {"/" + query(), own_host() + "Origin: http://evil.example\r\n"},
+                                        {"/" + query(), own_host() + "Origin: http://127.0.0.1:1\r\n"},
+                                        {"/" + query(), own_host() + "Origin: null\r\n"},
+                                        {"/", own_host() + "Cookie: " + given + "0\r\n"}}) {
+    const HttpReply refused = get(target, headers);
+    EXPECT_EQ(refused.status, 403) << target << headers;
+    EXPECT_EQ(refused.body, "");
+  }
+  EXPECT_EQ(get("/etc/passwd" + query(), own_host()).status, 404);
+}
+
+/// The server stays as it was, whatever is sent without the token, and with it.
+TEST_F(PageServerTest, RefusesWhatIsMalformed) {
+  const auto page = open_page();
+  std::minstd_rand random(5);
+  const std::string good = post("/call" + query("&page=p&worker=0"), R"({"call": "stats"})");
+  for (int n = 0; n < 1000; ++n) {
+    std::string bytes = n % 2 == 0 ? good : good.substr(0, random() % good.size());
+    for (int change = 0; change < 3 && !bytes.empty(); ++change)
+      bytes[random() % bytes.size()] = static_cast<char>(random() % 256);
+    const LoopbackClient client(port());
+    client.send(bytes);
+  }
+  for (const char* request :
+       {"", "[]", "{}", "{\"call\": 3}", R"({"call": "fly"})", R"({"call": "open"})",
+        R"({"call": "openRemote", "size": -1})", R"({"call": "give", "offset": 1e300})",
+        R"({"call": "draw"})", R"({"call": "draw", "size": [0, 1]})", R"({"call": "draw", "size": [1e9, 1]})",
+        R"({"call": "draw", "size": ["1", 1]})",
+        R"({"call": "draw", "size": [8, 8], "camera": {"zoom": "x"}})",
+        R"({"call": "draw", "size": [8, 8], "quality": "best"})",
+        R"({"call": "draw", "size": [8, 8], "camera": {"fit": {"structure": 1e300}}})",
+        R"({"call": "draw", "size": [8, 8], "cuts": [{"normal": [0, 0, 0], "offset": 1}]})"}) {
+    const CallReply reply = call(0, request);
+    EXPECT_EQ(reply.http, 200) << request;
+    EXPECT_NE(reply.status, 0U) << request;
+    EXPECT_NE(reply.text, "") << request;
+  }
+  const std::string large(std::size_t{2} << 20, ' ');
+  EXPECT_NE(reply_to(port(), post("/call" + query("&page=p&worker=0"), large)).status, 200);
+  EXPECT_NE(get("/" + query("&more=" + large), own_host()).status, 200);
+  EXPECT_EQ(call(2, R"({"call": "stats"})").http, 410);
+  EXPECT_EQ(get("/" + query(), own_host()).status, 200);
+}
+
+TEST_F(PageServerTest, AnswersBesideThoseThatAreSlow) {
+  std::vector<std::unique_ptr<LoopbackClient>> slow;
+  for (int n = 0; n < 200; ++n) {
+    slow.push_back(std::make_unique<LoopbackClient>(port()));
+    slow.back()->send("GET / HT");
+  }
+  EXPECT_EQ(get("/" + query(), own_host()).status, 200);
+}
+
+TEST_F(PageServerTest, DrawsThePicturesOfTheRenderer) {
+  const auto page = open_page();
+  const CallReply drawn = call(
+      0,
+      R"({"call": "draw", "select": "*:surface", "size": [80, 60], "camera": {"azimuth": 30, "fit": {"zoom": 1.5}}})");
+  ASSERT_EQ(drawn.status, 0U) << drawn.text;
+  Renderer renderer(atlas_, {.threads = 1});
+  value_or_throw(renderer.select(selection_of("*:surface", atlas_->graph())));
+  const RenderOptions options{.size = {80, 60}};
+  RenderOptions draft = options;
+  draft.quality = Quality::kDraft;
+  Camera camera = value_or_throw(renderer.fit({.azimuth_deg = 30}, draft));
+  camera.zoom *= 1.5;
+  const auto expected = to_srgba8(value_or_throw(renderer.render(camera, options)).picture);
+  EXPECT_TRUE(
+      std::ranges::equal(drawn.pixels, expected, {}, [](char c) { return static_cast<std::uint8_t>(c); }));
+
+  const CallReply pick = call(0, R"({"call": "pick", "at": [40, 30]})");
+  EXPECT_EQ(call(1, R"({"call": "pick", "at": [40, 30]})").text, "null\n")
+      << "each worker has a picture of its own";
+  EXPECT_EQ(pick.status, 0U);
+  EXPECT_EQ(Json::parse(call(0, R"({"call": "info"})").text).at("structures").size(), atlas_->graph().size());
+}
+
+/// A refinement of minutes ends with the next draft.
+TEST_F(PageServerTest, ADraftEndsTheRefinement) {
+  const auto page = open_page();
+  std::atomic<bool> is_over = false;
+  CallReply refined;
+  std::thread refinement([&] {
+    refined = call(
+        1,
+        R"({"call": "draw", "select": "*:volume", "size": [8000, 8000], "quality": "high", "camera": {"projection": "perspective", "zoom": 3}})");
+    is_over = true;
+  });
+  while (!is_over) {
+    EXPECT_EQ(
+        call(0, R"({"call": "draw", "select": "*:surface", "size": [20, 20], "quality": "draft"})").status,
+        0U);
+  }
+  refinement.join();
+  EXPECT_EQ(refined.status, 1 + static_cast<std::uint32_t>(ErrorCode::kCancelled)) << refined.text;
+}
+
+TEST_F(PageServerTest, APageIsOpenAsLongAsItsStream) {
+  EXPECT_EQ(call(0, R"({"call": "stats"})").http, 410);
+  EXPECT_FALSE(server_->is_left());
+  auto page = open_page();
+  EXPECT_EQ(call(0, R"({"call": "stats"})").http, 200);
+  EXPECT_EQ(get("/alive" + query("&page=p"), own_host()).status, 409);
+  page.reset();
+  while (call(0, R"({"call": "stats"})").http == 200) std::this_thread::yield();
+  const auto again = open_page();
+  EXPECT_EQ(call(0, R"({"call": "stats"})").http, 200);
+}
+
+TEST(Door, HasATokenOfItsOwn) {
+  EXPECT_NE(value_or_throw(Door::create()).address(1), value_or_throw(Door::create()).address(1));
+}
+
+TEST(PageServer, NamesThePortThatIsTaken) {
+  const auto atlas = open_in_memory(phantom_content());
+  const auto first = value_or_throw(PageServer::start({.atlas = atlas, .html = kPage, .renderer = {}}));
+  const std::string address = first->address();
+  const auto port = static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1)));
+  const auto second = PageServer::start({.atlas = atlas, .html = kPage, .renderer = {}, .port = port});
+  ASSERT_FALSE(second);
+  EXPECT_THAT(second.error().message, HasSubstr(std::to_string(port)));
+}
+
+}  // namespace
+}  // namespace splatlas
