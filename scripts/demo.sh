@@ -29,7 +29,7 @@ make_phantom_atlas() {
 
 make_colin27_atlas() {
   local atlas=out/colin27.atlas tree=preprocess/trees/colin27_aal.tree lesson=examples/colin27_lesson.toml
-  local head=$templates/ch2.nii.gz brain=$templates/ch2bet.nii.gz labels=$templates/aal.nii.gz names=$templates/aal.nii.txt
+  local head=$templates/ch2.nii.gz brain=$templates/ch2bet.nii.gz labels=$templates/aal.nii.gz names=preprocess/trees/colin27_aal.tsv
   if up_to_date $atlas "$programs/splatlas-preprocess" $tree $lesson $head $brain $labels $names; then
     echo "$atlas is up to date"
     return

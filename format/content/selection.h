@@ -7,7 +7,7 @@
 //              | "profile=" ("soft" | "thin" | "hard")  |  "low=" grey value  |  "high=" grey value
 //              | "curve=" point { "/" point }
 //   point     := grey value ":" opacity from 0 to 0.9999 [":" shade from 0 to 1]
-//   NAME      := id, name or path of a structure ("Brain/Cerebellum/Left")
+//   NAME      := id, name or path of a structure ("Brain/Cerebellum/Left"), or else one of its terms
 //   label     := whole number: value of the structure in the source label map
 //
 // In a NAME, "*" matches any characters, including "/". Unquoted names consist of letters, digits, non-ASCII
@@ -140,7 +140,7 @@ struct Selection {
 /// Applies the terms to the graph. kNotFound, with the column of the term, if a name or label is unknown or
 /// ambiguous.
 /// The name "*" selects nothing in a graph without structures. Throws as check_task(). Cost: linear in the
-/// terms, the structures of each, and the graph; a pass over the graph for each path or pattern.
+/// terms, the structures of each, and the graph; a pass over the graph for each path, pattern or term.
 [[nodiscard]] Result<Selection> resolve_selection(std::span<const SelectionTerm> terms,
                                                   const StructureGraph& graph);
 /// Writes short selection text: one term per uniform subtree, removals for exceptions. Selection::parse() of

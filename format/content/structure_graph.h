@@ -71,12 +71,13 @@ class StructureGraph {
   /// Paths of names from the roots to `s`, joined by "/"; at most `limit`, in the order of parents.
   [[nodiscard]] std::vector<std::string> paths(StructureIndex s, std::size_t limit = 64) const;
 
-  /// The structures of an id, name, path or wildcard pattern, without descendants, in index order. Ids take
-  /// precedence over names, names over paths. A path may start at any structure ("Cerebellum/Left"). A
-  /// wildcard pattern matches ids, names and paths. kNotFound if nothing matches, or if a name or path
-  /// without a wildcard is ambiguous. The message lists the nearest names, or the paths and ids of the
-  /// candidates. Cost: linear in the structures, their parents and the total length of names, times the
-  /// length of a pattern (at most 256).
+  /// The structures of an id, name, path, term or wildcard pattern, without descendants, in index order. Ids
+  /// take precedence over names, names over paths, paths over terms. A path may start at any structure
+  /// ("Cerebellum/Left"). A wildcard pattern matches ids, names and paths; if none fits, terms. kNotFound if
+  /// nothing matches, or if a name, path or term without a wildcard is ambiguous. The message lists the
+  /// nearest names, or the paths and ids of the candidates. Throws as check_task(). Cost: linear in the
+  /// structures, their parents and the total length of names and terms, times the length of a pattern (at
+  /// most 256).
   [[nodiscard]] Result<std::vector<StructureIndex>> find(std::string_view name) const;
   /// The structure with a value in the source label map. kNotFound, with the nearest labels, if there is
   /// none, and if it is ambiguous. Cost: linear in the structures.

@@ -96,6 +96,7 @@ class TargetFinder {
       const Structure& structure = graph[s];
       index_.emplace("id " + to_lower(structure.id), s);
       index_.emplace("name " + to_lower(structure.name), s);
+      for (const Term& term : structure.terms) index_.emplace("term " + to_lower(term.value), s);
       if (structure.label) index_.emplace(fmt::format("label {}", *structure.label), s);
     }
   }
@@ -104,14 +105,16 @@ class TargetFinder {
     const bool is_pattern = term.name.find('*') != std::string::npos;
     if (index_.empty() || is_pattern || term.target == TermTarget::kRest) return find_target(graph_, term);
     const std::string name = to_lower(term.name);
-    const std::vector<std::string> keys = term.target == TermTarget::kLabel
-                                              ? std::vector{fmt::format("label {}", term.label)}
-                                              : std::vector{"id " + name, "name " + name};
+    std::vector<std::string> keys{"id " + name, "name " + name};
+    if (name.find('/') == std::string::npos) keys.push_back("term " + name);  // paths take precedence
+    if (term.target == TermTarget::kLabel) keys = {fmt::format("label {}", term.label)};
     for (const std::string& key : keys) {
       const auto [first, end] = index_.equal_range(key);
-      if (first != end && std::next(first) == end) return std::vector{first->second};
+      if (first == end) continue;
+      if (std::next(first) == end) return std::vector{first->second};
+      break;
     }
-    return find_target(graph_, term);  // a path, or an error
+    return find_target(graph_, term);  // a path, an ambiguous term, or an error
   }
 
  private:

@@ -1,4 +1,4 @@
-// Structure lookup by id, name, path or wildcard pattern.
+// Structure lookup by id, name, path, term or wildcard pattern.
 #include <algorithm>
 #include <set>
 
@@ -51,6 +51,17 @@ std::vector<StructureIndex> filter_structures(const StructureGraph& graph, const
   return result;
 }
 
+/// The structures with a term that fits.
+template <typename Fits>
+std::vector<StructureIndex> match_terms(const StructureGraph& graph, const Fits& fits) {
+  return filter_structures(graph, [&](StructureIndex s) {
+    return std::ranges::any_of(graph[s].terms, [&](const Term& term) {
+      check_task();
+      return fits(term.value);
+    });
+  });
+}
+
 std::vector<StructureIndex> match_exact(const StructureGraph& graph, std::string_view name) {
   auto found =
       filter_structures(graph, [&](StructureIndex s) { return equal_ignoring_case(graph[s].id, name); });
@@ -61,11 +72,15 @@ std::vector<StructureIndex> match_exact(const StructureGraph& graph, std::string
   if (found.empty() && name.find('/') != std::string_view::npos) {
     found = filter_structures(graph, [&](StructureIndex s) { return is_path_suffix(graph, s, name); });
   }
+  if (found.empty()) {
+    found = match_terms(graph, [&](const std::string& term) { return equal_ignoring_case(term, name); });
+  }
   return found;
 }
 
-/// Matches ids, names and paths; path suffixes, too, if the pattern contains a "/". Propagates the states of
-/// the automaton down the graph, merged over parents, because the number of paths may be exponential.
+/// Matches ids, names and paths; path suffixes, too, if the pattern contains a "/"; terms if none of these
+/// fits. Propagates the states of the automaton down the graph, merged over parents, because the number of
+/// paths may be exponential.
 std::vector<StructureIndex> match_wildcard(const StructureGraph& graph, std::string_view pattern) {
   const Glob glob(pattern);
   const bool begins_anywhere = pattern.find('/') != std::string_view::npos;
@@ -78,9 +93,13 @@ std::vector<StructureIndex> match_wildcard(const StructureGraph& graph, std::str
     }
     after_path[s] = glob.read(std::move(before), graph[s].name);
   }
-  return filter_structures(graph, [&](StructureIndex s) {
+  auto found = filter_structures(graph, [&](StructureIndex s) {
     return glob.accepts(after_path[s]) || glob.matches(graph[s].id) || glob.matches(graph[s].name);
   });
+  if (found.empty()) {
+    found = match_terms(graph, [&](const std::string& term) { return glob.matches(term); });
+  }
+  return found;
 }
 
 /// Levenshtein distance.
@@ -99,21 +118,26 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-/// Names that contain the text, then names by edit distance. Each structure has one entry, the nearer of its
-/// name and id.
+/// Names that contain the text, then names by edit distance. Each structure has one entry, the nearest of its
+/// name, id and terms.
 std::vector<std::string> nearest_names(const StructureGraph& graph, std::string_view text) {
   std::string query = to_lower(text.substr(0, kMaxCompared));
   std::erase(query, '*');
   const auto distance_to = [&](const std::string& name) -> std::size_t {
+    check_task();
     const std::string lowered = to_lower(std::string_view(name).substr(0, kMaxCompared));
     if (query.size() >= 3 && lowered.find(query) != std::string::npos) return 0;
     return edit_distance(query, lowered);
   };
   std::set<std::pair<std::size_t, std::string>> nearest;
   for (const Structure& s : graph.structures()) {
-    const std::size_t by_name = distance_to(s.name);
-    const std::size_t by_id = distance_to(s.id);
-    nearest.emplace(std::min(by_name, by_id), by_id < by_name ? s.id : s.name);
+    std::pair best(distance_to(s.name), &s.name);
+    const auto consider = [&](const std::string& name) {
+      if (const std::size_t distance = distance_to(name); distance < best.first) best = {distance, &name};
+    };
+    consider(s.id);
+    for (const Term& term : s.terms) consider(term.value);
+    nearest.emplace(best.first, *best.second);
     if (nearest.size() > kMaxListed) nearest.erase(std::prev(nearest.end()));
   }
   std::vector<std::string> names;

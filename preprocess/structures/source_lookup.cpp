@@ -9,11 +9,11 @@
 namespace splatlas {
 namespace {
 
-/// Adds a key, or marks it as ambiguous.
+/// Adds a key, or marks it as ambiguous if another source has it.
 template <typename Map, typename Key>
 void add_or_mark(Map& map, const Key& key, StructureIndex source) {
   const auto [entry, is_new] = map.emplace(key, source);
-  if (!is_new) entry->second = kNoStructure;
+  if (!is_new && entry->second != source) entry->second = kNoStructure;
 }
 
 template <typename Map, typename Key>
@@ -57,6 +57,7 @@ SourceLookup::SourceLookup(std::span<const SourceStructure> sources, StructureGr
     source_of_id_.emplace(ids_[n], n);
     add_or_mark(source_of_name_, names_[n], n);
     if (sources_[n].label) add_or_mark(source_of_label_, *sources_[n].label, n);
+    for (const Term& term : sources_[n].terms) add_or_mark(source_of_term_, to_lower(term.value), n);
   }
 }
 
@@ -89,11 +90,19 @@ Result<std::vector<StructureIndex>> SourceLookup::matching_one(std::string_view 
   if (condition.starts_with(kCode)) return with_codes(condition.substr(kCode.size()));
   if (condition.find('*') != std::string_view::npos) {
     const std::string pattern = to_lower(condition);
-    std::vector<StructureIndex> found;
-    for (StructureIndex n = 0; n < sources_.size(); ++n) {
-      if (fits(pattern, ids_[n]) || fits(pattern, names_[n])) found.push_back(n);
-    }
-    return found;
+    const auto filter = [&](const auto& fits_source) {
+      std::vector<StructureIndex> found;
+      for (StructureIndex n = 0; n < sources_.size(); ++n) {
+        if (fits_source(n)) found.push_back(n);
+      }
+      return found;
+    };
+    auto found = filter([&](StructureIndex n) { return fits(pattern, ids_[n]) || fits(pattern, names_[n]); });
+    if (!found.empty()) return found;
+    return filter([&](StructureIndex n) {
+      return std::ranges::any_of(sources_[n].terms,
+                                 [&](const Term& term) { return fits(pattern, to_lower(term.value)); });
+    });
   }
   std::optional<StructureIndex> source = named(condition);
   if (!source && condition.starts_with('#')) {
@@ -101,6 +110,7 @@ Result<std::vector<StructureIndex>> SourceLookup::matching_one(std::string_view 
     if (!label) return fail(ErrorCode::kFailed, "'{}' is no label; write # and a whole number", condition);
     source = labelled(*label);
   }
+  if (!source) source = find_only(source_of_term_, to_lower(condition));
   return source ? std::vector{*source} : std::vector<StructureIndex>{};
 }
 

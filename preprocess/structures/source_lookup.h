@@ -1,4 +1,4 @@
-// Lookup of source structures by name, id, label, code and pattern.
+// Lookup of source structures by name, id, label, code, term and pattern.
 #pragma once
 
 #include <optional>
@@ -13,8 +13,8 @@
 
 namespace splatlas {
 
-/// Finds sources, by number. Refers to `sources`. Names and ids are found by hash, patterns by a pass over
-/// all.
+/// Finds sources, by number. Refers to `sources`. Names, ids and terms are found by hash, patterns by a pass
+/// over all.
 class SourceLookup {
  public:
   /// `flat`: the sources as roots of a graph, with their ids.
@@ -27,8 +27,8 @@ class SourceLookup {
   [[nodiscard]] std::optional<StructureIndex> labelled(std::int64_t label) const;
   [[nodiscard]] bool has_color(StructureIndex source) const { return sources_[source].color.has_value(); }
   /// Sources that fit "name", "*_L", "#17", "code:2001-2999" or several of these joined by "&": sorted by
-  /// code for codes, else by number. Empty if none fits. kFailed for lists of codes and labels that are
-  /// malformed.
+  /// code for codes, else by number. A name or pattern that fits no name and id may fit terms. Empty if none
+  /// fits. kFailed for lists of codes and labels that are malformed.
   [[nodiscard]] Result<std::vector<StructureIndex>> matching(std::string_view conditions) const;
 
  private:
@@ -40,6 +40,7 @@ class SourceLookup {
   std::vector<std::string> ids_, names_;  // in lower case, [source]
   std::unordered_map<std::string, StructureIndex> source_of_id_;
   std::unordered_map<std::string, StructureIndex> source_of_name_;  // kNoStructure: several
+  std::unordered_map<std::string, StructureIndex> source_of_term_;
   std::unordered_map<std::int64_t, StructureIndex> source_of_label_;
 };
 

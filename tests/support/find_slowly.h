@@ -1,4 +1,4 @@
-// Brute-force look-up of structures by patterns, ids, names and paths.
+// Brute-force look-up of structures by patterns, ids, names, paths and terms.
 #pragma once
 
 #include <algorithm>
@@ -45,20 +45,27 @@ inline std::vector<StructureIndex> find_slowly(const StructureGraph& graph, std:
     collect_paths(graph, s, "", whole, all);
     return all;
   };
+  const auto with_term = [&] {
+    return all_that([&](StructureIndex s) {
+      return std::ranges::any_of(
+          graph[s].terms, [&](const Term& term) { return matches_slowly(sought, to_lower(term.value)); });
+    });
+  };
   const bool has_slash = sought.find('/') != std::string::npos;
   if (sought.find('*') != std::string::npos) {
-    return all_that([&](StructureIndex s) {
+    const auto found = all_that([&](StructureIndex s) {
       std::set<std::string> texts = paths(s, !has_slash);
       texts.insert({to_lower(graph[s].id), to_lower(graph[s].name)});
       return std::ranges::any_of(texts,
                                  [&](const std::string& text) { return matches_slowly(sought, text); });
     });
+    return found.empty() ? with_term() : found;
   }
   auto found = all_that([&](StructureIndex s) { return to_lower(graph[s].id) == sought; });
   if (found.empty()) found = all_that([&](StructureIndex s) { return to_lower(graph[s].name) == sought; });
   if (found.empty() && has_slash)
     found = all_that([&](StructureIndex s) { return paths(s, false).contains(sought); });
-  return found;
+  return found.empty() ? with_term() : found;
 }
 
 }  // namespace splatlas

@@ -229,18 +229,59 @@ class Model {
     this.change({base: '*:surface', edits: []}, camera);
   }
 
-  /** Indices of structures whose name, id or terms hold every word of the text; null for a blank text. */
+  /**
+   * Indices of the structures with every word of the text in their names, ids and terms, best first; null for a blank
+   * text. Where none fits, endings do not count, then not one wrong letter in a word. Without any, `areNearest` is true.
+   */
   search(text) {
-    const words = Model.folded(text).split(/\s+/).filter(word => word !== '');
-    if (words.length === 0) return null;
+    const phrase = Model.folded(text).trim();
+    if (phrase === '') return null;
+    const words = phrase.split(' ');
     this.#index ??= this.structures.map(({name, id, terms = []}) =>
-      Model.folded([name, id, ...terms.map(term => term.value)].join('\n')));
-    return this.#index.flatMap((names, index) => (words.every(word => names.includes(word)) ? [index] : []));
+      [name, id, ...terms.map(term => term.value)].map(value => `\n ${Model.folded(value).trim()} \n`).join(''));
+    const sorted = (indices, rank) => {
+      const ranks = new Map(indices.map(index => [index, rank(this.#index[index])]));
+      return indices.sort((a, b) => ranks.get(a) - ranks.get(b));
+    };
+    const all = [...this.structures.keys()];
+    for (const fits of [Model.#holds, Model.#holdsStem, Model.#holdsNearly]) {
+      const found = all.filter(index => words.every(word => fits(this.#index[index], word)));
+      if (found.length > 0) return sorted(found, names => [
+        names.includes(`\n ${phrase} \n`), words.every(word => names.includes(` ${word} `)),
+        words.every(word => fits(names, ` ${word}`)), true,
+      ].indexOf(true));
+    }
+    const errors = names => words.reduce((sum, word) => sum + Model.#errors(names, word), 0);
+    return Object.assign(sorted(all, errors).slice(0, 5), {areNearest: true});
   }
   #index = null;
 
-  /** Text without case, accents and underscores, for comparison. */
+  static #holds = (names, word) => names.includes(word);
+  static #holdsStem = (names, word) => names.includes(Model.#stem(word));
+  static #holdsNearly = (names, word) => (word.length < 5 ? Model.#holdsStem(names, word) :
+    Model.#errors(names, Model.#stem(word).length < 4 ? word : Model.#stem(word)) <= 1);
+
+  /** A word without its Latin or English ending. */
+  static #stem(word) {
+    return word.replace(/^(.{3,}?)(?:ic(?:al|es)?|us|um|is|a[elr]|e[is]|[aeis])$/, '$1');
+  }
+
+  /** The fewest letters to replace, insert or delete that turn the word into a part of the text. */
+  static #errors(text, word) {
+    let row = [...word, ''].map((_, n) => n);
+    let fewest = word.length;
+    for (const letter of text) {
+      const next = [0];
+      for (let n = 0; n < word.length; ++n)
+        next.push(Math.min(row[n] + (word[n] === letter ? 0 : 1), row[n + 1] + 1, next[n] + 1));
+      row = next;
+      fewest = Math.min(fewest, row[word.length]);
+    }
+    return fewest;
+  }
+
+  /** Text without case, accents and punctuation, for comparison. */
   static folded(text) {
-    return text.normalize('NFD').replace(/\p{M}/gu, '').replaceAll('_', ' ').toLowerCase();
+    return text.normalize('NFD').replace(/[\p{M}'’]/gu, '').replace(/[^\p{L}\p{N}]+/gu, ' ').toLowerCase();
   }
 }

@@ -89,6 +89,7 @@ class Tree {
     const tell = text => this.#list.append(element('li', {role: 'none', class: 'empty'}, text));
     if (this.#found?.length > kMaxFound) tell(`The first ${kMaxFound} of ${this.#found.length}.`);
     if (items.length === 0) tell('No structure has this name.');
+    if (this.#found?.areNearest) tell('No structure has this name. These are the nearest.');
     const focused = this.#rows.find(({item}) => item.dataset.path === this.#focused) ?? this.#rows[0];
     if (focused) this.#focus(focused, false);
     this.update();

@@ -23,7 +23,7 @@ namespace splatlas {
 struct SourceStructure {
   std::string name;
   std::optional<std::int64_t> label;
-  std::optional<std::int64_t> code;  ///< AAL's third column, a hierarchical region code
+  std::optional<std::int64_t> code;  ///< of the region, such as AAL's third column
   std::optional<Rgb> color;
   bool external = false;
   std::vector<Term> terms;  ///< in the order of the source

@@ -16,12 +16,12 @@ inline constexpr const char* kTreeFormat =
     R"(One path per line, parts joined by "/":
   Brain/Left hemisphere/Precentral_L     a structure below two groups
   Brain/Frontal lobe/Precentral_L        ... and below another group: it then has two parents
-  Brain/Left hemisphere/*_L              all structures with a matching name or id
+  Brain/Left hemisphere/*_L              all structures with a matching name or id, or else synonym or code
   Brain/Left hemisphere/#17              the structure with this label
   Brain/Frontal lobe/code:2001-2999      all structures with such a code in the names file (also 9100,9110)
   Brain/Left cerebrum/code:2001-8999&*_L  all structures that match both
   Brain/Cerebellum/                      a group, possibly empty
-The last part selects structures. The other parts are groups, created at first use and identified by their path:
+The last part selects structures, by synonyms and codes if no name or id fits. The other parts are groups, created at first use and identified by their path:
 "Left/Zone 2" and "Right/Zone 2" have two groups. A last part that names exactly one group gives it another parent.
 Case is ignored. Structures are numbered in the order of the file; structures that are not mentioned become roots.
 Lines that fit no structure are left out.

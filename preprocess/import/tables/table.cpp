@@ -34,6 +34,7 @@ constexpr Aliases kAliases[] = {
     {ColumnRole::kBlue, "b blue color_b"},
     {ColumnRole::kParent, "parent parent_id parent_structure_id parent_name parent_label"},
     {ColumnRole::kPath, "path structure_id_path hierarchy"},
+    {ColumnRole::kCode, "code"},
     {ColumnRole::kSynonym, "synonym synonyms alias aliases alternative_name"},
     {ColumnRole::kTerm, "abbreviation abbr acronym", "abbreviation"},
     {ColumnRole::kTerm, "latin", "la"},

@@ -48,6 +48,7 @@ enum class ColumnRole : std::uint8_t {
   kBlue,
   kParent,
   kPath,
+  kCode,        ///< number of a region, for trees
   kSynonym,     ///< several, separated by ";" or "|"
   kTerm,        ///< code or name in `vocabulary`
   kScheme,      ///< coding scheme of the code `vocabulary` ("" or "region")

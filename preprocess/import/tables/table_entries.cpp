@@ -59,6 +59,7 @@ class EntryReader {
     entry.parent = field(row, ColumnRole::kParent);
     if (to_lower(entry.parent) == "null") entry.parent.clear();
     entry.path = field(row, ColumnRole::kPath);
+    entry.name.code = parse_integer(field(row, ColumnRole::kCode));
     read_color(row, entry);
     read_terms(row, entry);
     return entry;

@@ -242,9 +242,11 @@ TEST(Selection, FindsTheSameStructuresForManyTerms) {
                               {.id = "c", .name = "Twin", .label = 5, .parents = {1}},
                               {.id = "d", .name = "twin", .label = 5},
                               {.id = "e", .name = "rest", .parents = {0}},
-                              {.id = "f", .name = "star*"}});
+                              {.id = "f", .name = "star*", .terms = {{"la", "Stella"}, {"la", "a"}}},
+                              {.id = "g", .name = "Rim", .terms = {{"la", "Margo"}, {"la", "A/Twin"}}},
+                              {.id = "h", .name = "Edge", .terms = {{"la", "Margo"}, {"la", "TWIN"}}}});
   for (const std::string term : {"A", "TOP", "twin", "A/Twin", "nobody", "#3", "#5", "#4", "*", "star*",
-                                 "rest", "\"rest\"", "\"#3\"", "C"}) {
+                                 "rest", "\"rest\"", "\"#3\"", "C", "stella", "margo"}) {
     const auto one = Selection::parse(term, graph);
     std::string text = term;
     for (int n = 0; n < 50; ++n) text += " + " + term;

@@ -59,6 +59,43 @@ TEST(FindStructures, AmbiguousNamesListTheCandidates) {
   EXPECT_THAT(message, HasSubstr("\"Brain/Cerebrum/Left\" (id cr_l)"));
 }
 
+/// Two halves of a ball with synonyms, in a group called as one of these.
+StructureGraph ball() {
+  return *StructureGraph::build(
+      {{.id = "core", .name = "Core"},  // 0
+       {.id = "west",
+        .name = "Left half",
+        .parents = {0},
+        .terms = {{"AAL", "Half_L"}, {"la", "Pars"}, {"synonym", "PARS"}}},  // 1
+       {.id = "east",
+        .name = "Right half",
+        .parents = {0},
+        .terms = {{"AAL", "Half_R"}, {"synonym", "Core"}}},                                    // 2
+       {.id = "c", .name = "Rim", .terms = {{"la", "Margo"}, {"synonym", "Core/Left half"}}},  // 3
+       {.id = "d", .name = "Edge", .terms = {{"la", "Margo"}, {"SNOMED", "4033"}}}});          // 4
+}
+
+TEST(FindStructures, TermsCountWhereNothingElseFits) {
+  const StructureGraph graph = ball();
+  for (const auto& [text, expected] : {std::pair<const char*, std::vector<StructureIndex>>{"half_l", {1}},
+                                       {"Pars", {1}},  // one structure, although two of its terms fit
+                                       {"4033", {4}},
+                                       {"core", {0}},
+                                       {"core/left half", {1}},  // a path
+                                       {"Half_*", {1, 2}},
+                                       {"marg*", {3, 4}},
+                                       {"c*e", {0}}}) {  // the name hides the term of structure 2
+    const auto found = graph.find(text);
+    ASSERT_TRUE(found) << text << found.error().message;
+    EXPECT_EQ(*found, expected) << text;
+  }
+  EXPECT_EQ(
+      message_of(graph.find("margo")),
+      "\"margo\" stands for 2 structures, write a longer path or an id: \"Rim\" (id c), \"Edge\" (id d)");
+  EXPECT_THAT(message_of(graph.find("Half_S")), HasSubstr("the nearest: \"Half_L\", \"Half_R\", "));
+  EXPECT_THAT(message_of(graph.find("Left hulf")), HasSubstr("the nearest: \"Left half\", "));
+}
+
 TEST(FindStructures, ListsOfCandidatesEnd) {
   std::vector<Structure> structures(20);
   for (std::size_t s = 0; s < structures.size(); ++s) {
@@ -147,6 +184,7 @@ RC_GTEST_PROP(FindStructures, AgreesWithItsDefinition, ()) {
   for (StructureIndex s = 0; s < count; ++s) {
     structures[s] = shape[s];
     structures[s].name = std::vector{"Left", "Right", "lobe", "Gyrus of A", "x"}[random() % 5];
+    if (random() % 2 == 0) structures[s].terms = {{"la", random() % 2 == 0 ? "lobus" : "Dexter"}};
   }
   const StructureGraph graph = *StructureGraph::build(structures);
 
@@ -154,6 +192,7 @@ RC_GTEST_PROP(FindStructures, AgreesWithItsDefinition, ()) {
   const auto paths = graph.paths(s);
   std::string name = paths[random() % paths.size()];
   if (random() % 3 == 0) name = graph[s].id;
+  if (random() % 3 == 0 && !graph[s].terms.empty()) name = graph[s].terms.front().value;
   if (random() % 2 == 0) name = name.substr(random() % name.size());
   if (random() % 3 == 0) name[random() % name.size()] = '*';
   if (random() % 4 == 0) name = name.substr(name.find('/') + 1);

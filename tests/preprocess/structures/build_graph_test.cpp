@@ -79,6 +79,14 @@ TEST_F(BuildGraph, AMemberThatNamesSeveralGroupsIsLeftOut) {
   EXPECT_THAT(items("tree-lines-unused"), ElementsAre("line 3, \"zone\" (which is the name of 2 groups)"));
 }
 
+TEST_F(BuildGraph, MembersMayBeTerms) {
+  const auto placed = build("A/reil_l\nB/Reil_*&*_R\nC/Lobus insularis\n");
+  ASSERT_TRUE(placed) << placed.error().message;
+  EXPECT_THAT(names_below(placed->graph, "A"), UnorderedElementsAre("A", "Insula_L"));
+  EXPECT_THAT(names_below(placed->graph, "B"), UnorderedElementsAre("B", "Insula_R"));
+  EXPECT_THAT(items("tree-lines-unused"), ElementsAre("line 3, \"Lobus insularis\""));  // fits two
+}
+
 TEST_F(BuildGraph, MembersMayBeLabels) {
   const auto placed = build("A/#5\nA/#77\n");
   ASSERT_TRUE(placed) << placed.error().message;

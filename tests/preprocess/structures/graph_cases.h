@@ -27,6 +27,8 @@ inline std::vector<SourceStructure> sources_of_aal() {
     source.name = name;
     source.label = static_cast<std::int64_t>(result.size()) + 1;
     if (code != 0) source.code = code;
+    if (code / 1000 == 3)
+      source.terms = {{"la", "Lobus insularis"}, {"synonym", "Reil" + source.name.substr(6)}};
     result.push_back(source);
   }
   return result;

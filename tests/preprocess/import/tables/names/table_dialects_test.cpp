@@ -62,15 +62,17 @@ TEST_F(TableDialects, ReadsTablesWithoutAHeader) {
 
 TEST_F(TableDialects, ReadsTermsOfOtherVocabularies) {
   const auto list = names(
-      "label,name,name_de,acronym,synonyms,SNOMED,FMA ID,Type_CodingScheme,Type_CodeValue,Type_CodeMeaning,"
+      "label,name,name_de,acronym,synonyms,code,SNOMED,FMA "
+      "ID,Type_CodingScheme,Type_CodeValue,Type_CodeMeaning,"
       "TypeModifier_CodingScheme,TypeModifier_CodeValue\n"
-      "1,left_kidney,Niere,LK,nephros; ren,64033007,7205,SCT,64033007,Kidney,SCT,7771000\n",
+      "1,left_kidney,Niere,LK,nephros; ren,4101,64033007,7205,SCT,64033007,Kidney,SCT,7771000\n",
       NamesFormat::kCsv);
   ASSERT_EQ(list.size(), 1u);
   EXPECT_THAT(list[0].terms,
               ElementsAre(Term{"de", "Niere"}, Term{"abbreviation", "LK"}, Term{"synonym", "nephros"},
                           Term{"synonym", "ren"}, Term{"SNOMED", "64033007"}, Term{"FMA", "7205"},
                           Term{"modifier SNOMED", "7771000"}));
+  EXPECT_EQ(list[0].code, 4101);
   EXPECT_THAT(items("ignored-columns"), IsEmpty());
 }
 
