@@ -131,21 +131,21 @@ std::string write_curve(const SelectionTerm& term) {
   return text;
 }
 
-using Term = SelectionTerm;
+using OptionTerm = SelectionTerm;
 
 constexpr std::array<SelectionOption, 7> kOptions{{
-    {"ghost", [](const Term& t) { return t.ghost; }, read_ghost, nullptr},
-    {"opacity", [](const Term& t) { return t.opacity.has_value(); }, read_opacity,
-     [](const Term& t) { return fmt::format("{}", *t.opacity); }},
-    {"color", [](const Term& t) { return t.color.has_value(); }, read_color,
-     [](const Term& t) { return to_hex(*t.color); }},
-    {"profile", [](const Term& t) { return t.profile.has_value(); }, read_profile,
-     [](const Term& t) { return std::string(name_of(*t.profile)); }},
-    {"low", [](const Term& t) { return t.low.has_value(); }, read_low,
-     [](const Term& t) { return fmt::format("{}", *t.low); }},
-    {"high", [](const Term& t) { return t.high.has_value(); }, read_high,
-     [](const Term& t) { return fmt::format("{}", *t.high); }},
-    {"curve", [](const Term& t) { return t.curve != nullptr; }, read_curve, write_curve},
+    {"ghost", [](const OptionTerm& t) { return t.ghost; }, read_ghost, nullptr},
+    {"opacity", [](const OptionTerm& t) { return t.opacity.has_value(); }, read_opacity,
+     [](const OptionTerm& t) { return fmt::format("{}", *t.opacity); }},
+    {"color", [](const OptionTerm& t) { return t.color.has_value(); }, read_color,
+     [](const OptionTerm& t) { return to_hex(*t.color); }},
+    {"profile", [](const OptionTerm& t) { return t.profile.has_value(); }, read_profile,
+     [](const OptionTerm& t) { return std::string(name_of(*t.profile)); }},
+    {"low", [](const OptionTerm& t) { return t.low.has_value(); }, read_low,
+     [](const OptionTerm& t) { return fmt::format("{}", *t.low); }},
+    {"high", [](const OptionTerm& t) { return t.high.has_value(); }, read_high,
+     [](const OptionTerm& t) { return fmt::format("{}", *t.high); }},
+    {"curve", [](const OptionTerm& t) { return t.curve != nullptr; }, read_curve, write_curve},
 }};
 
 }  // namespace

@@ -30,6 +30,7 @@ SPLATLAS_EMBED(engine_js, SPLATLAS_WEB_FOLDER "/page/engine.js")
 SPLATLAS_EMBED(stage_js, SPLATLAS_WEB_FOLDER "/page/stage.js")
 SPLATLAS_EMBED(tree_js, SPLATLAS_WEB_FOLDER "/page/tree.js")
 SPLATLAS_EMBED(panels_js, SPLATLAS_WEB_FOLDER "/page/panels.js")
+SPLATLAS_EMBED(talk_js, SPLATLAS_WEB_FOLDER "/page/talk.js")
 SPLATLAS_EMBED(page_js, SPLATLAS_WEB_FOLDER "/page/page.js")
 SPLATLAS_EMBED(splatlas_js, SPLATLAS_WEB_FOLDER "/splatlas.js")
 SPLATLAS_EMBED(worker_js, SPLATLAS_WEB_FOLDER "/page/worker.js")
@@ -58,7 +59,7 @@ std::string_view catalogue_style() {
 std::string page_script() {
   std::string script;
   for (const std::string_view part :
-       {camera_js(), model_js(), engine_js(), stage_js(), tree_js(), panels_js(), page_js()})
+       {camera_js(), model_js(), engine_js(), stage_js(), tree_js(), panels_js(), talk_js(), page_js()})
     script += part;
   return script;
 }

@@ -192,7 +192,7 @@ class Splatlas {
     const warnings = this.select(scene.select);
     this.cut(scene.cuts);
     this.camera = {azimuth: scene.azimuth, elevation: scene.elevation};
-    this.camera = this.#call('fit', this.#state([width, height], {zoom: scene.zoom, center: scene.center}));
+    this.camera = this.fitted(this.#state([width, height], {zoom: scene.zoom, center: scene.center}));
     return {...scene, warnings};
   }
 
@@ -207,7 +207,12 @@ class Splatlas {
    * @param {number} [structure] index; none: the whole selection
    * @returns {object} the camera */
   fit(width, height, structure = -1) {
-    return this.camera = this.#call('fit', this.#state([width, height], {structure}));
+    return this.camera = this.fitted(this.#state([width, height], {structure}));
+  }
+
+  /** The camera that draw() would take for a state. @returns {object} */
+  fitted(state) {
+    return this.#call('fit', state);
   }
 
   /** Replaces the cuts, at most six: each removes the points p with normal.p > offset, in LPS mm. Errors come with the

@@ -61,6 +61,17 @@ return {
     return Camera.movedByDrag({...camera, zoom}, dx * kept, dy * kept, size, display);
   },
 
+  /** The camera on the way from one to another, `at` from 0 to 1. Both are placed. */
+  between(from, to, at, display) {
+    const mix = (a, b) => a + (b - a) * at;
+    const turn = ((to.azimuth - from.azimuth + 180) % 360 + 360) % 360 - 180;
+    const [a, b] = [from.center ?? display.center_lps_mm, to.center ?? display.center_lps_mm];
+    return at >= 1 ? to : {
+      ...to, azimuth: from.azimuth + turn * at, elevation: mix(from.elevation, to.elevation),
+      zoom: from.zoom * (to.zoom / from.zoom) ** at, center: a.map((c, axis) => mix(c, b[axis])),
+    };
+  },
+
   /** Letters of the directions at the four sides of the picture: {left: 'R', ...}. */
   letters(camera) {
     const {right, up} = sides(camera);

@@ -77,7 +77,7 @@ class RemoteFile {
   }
 }
 
-/** Draws the newest state by workers. Calls the handlers {ready, picture, drawn, picked, measured, told, error,
+/** Draws the newest state by workers. Calls the handlers {ready, picture, drawn, picked, hovered, told, error,
  * stopped}: `told` is an error beside the picture, `error` one in its place. */
 class Engine {
   #handlers;
@@ -92,6 +92,7 @@ class Engine {
   #asked = 0;     // serial number of the latest refinement that a worker was asked for
   #refined = 0;   // and of the latest that has come
   #timer = 0;
+  #fit = null;    // {resolve, reject} of the latest fit
   #restarts = [0, 0];  // of each worker, since its latest picture
   #isReady = false;
 
@@ -104,7 +105,7 @@ class Engine {
     const {url, served} = document.getElementById('atlas').dataset;
     await (served === undefined ? this.#load(url) : this.#connect());
     this.#source = URL.createObjectURL(new Blob([block('worker')], {type: 'text/javascript'}));
-    const count = navigator.hardwareConcurrency === 1 && this.#server === null ? 1 : 2;
+    const count = navigator.hardwareConcurrency === 1 && !this.isNative() ? 1 : 2;
     for (let n = 0; n < count; ++n) this.#workers.push(this.#begin(n));
   }
 
@@ -137,6 +138,16 @@ class Engine {
     }
   }
 
+  /** Whether the program that serves the page draws. */
+  isNative() {
+    return this.#server !== null;
+  }
+
+  /** Whether the finished picture of the latest state has come. */
+  isRefined() {
+    return this.#refined === this.#serial;
+  }
+
   /** Draws a state: {select, cuts, camera, size, depthCue}. A draft at once, and a finished picture after it. A camera
    * with `fit`, {structure, zoom, center}, is fitted first. */
   show(state) {
@@ -154,9 +165,21 @@ class Engine {
     this.#workers[0].postMessage({type: 'pick', serial: this.#serial, state: this.#state, u, v});
   }
 
-  /** Asks for the zoom at which the selection fits the picture. */
-  measure() {
-    this.#workers[0].postMessage({type: 'measure', serial: this.#serial, state: this.#state});
+  /** Asks for the name at (u, v) of the latest picture. */
+  hover(u, v) {
+    this.#workers[0].postMessage({type: 'hover', serial: this.#serial, u, v});
+  }
+
+  /** The camera of a state with `fit`. No picture comes before the next show(). @returns {Promise<?object>} null once a
+   * later fit is asked for */
+  fitted(state) {
+    clearTimeout(this.#timer);
+    this.#fit?.resolve(null);
+    const serial = ++this.#serial;
+    return new Promise((resolve, reject) => {
+      this.#fit = {resolve, reject};
+      this.#workers[0].postMessage({type: 'fit', serial, state});
+    });
   }
 
   #begin(n) {
@@ -183,8 +206,9 @@ class Engine {
     }
     if (n === 0 && message.drawn) this.#handlers.drawn(message.drawn);
     if (message.type === 'picked') return this.#handlers.picked(message.picked);
-    if (message.type === 'measured')
-      return message.serial === this.#serial ? this.#handlers.measured(message.zoom) : this.measure();
+    if (message.type === 'hovered') return this.#handlers.hovered(message.hovered);
+    if (message.type === 'fitted') return this.#fit.resolve(message.camera);
+    if (message.type === 'error' && message.of === 'fit') return this.#fit.reject(new Error(message.message));
     if (message.type === 'error' && message.of !== 'draw') return this.#handlers.told(message.message);
     if (message.serial !== this.#serial) return this.#takeOld(message);
     if (message.type === 'error') return this.#handlers.error(message.message);
@@ -229,6 +253,7 @@ class Engine {
   /** Replaces a worker whose module has failed. */
   #restart(n, reason) {
     this.#workers[n].terminate();
+    this.#fit?.reject(new Error(reason));
     if (++this.#restarts[n] > kMaxRestarts) return this.#handlers.stopped(reason);
     this.#handlers.error(reason);
     this.#workers[n] = this.#begin(n);

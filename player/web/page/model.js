@@ -9,6 +9,7 @@ const isAcross = ({normal}, axis) => normal.every((component, a) => (component !
 /** What the page shows. The selection is a text, from a scene or a link, and edits of single subtrees behind it. */
 class Model {
   #undo = [];
+  #redo = [];
   #forgotten = 0;  // steps before those in #undo
   #children;
 
@@ -104,10 +105,11 @@ class Model {
     return {base: select, edits: [], cuts, scene: n, isAsking: question !== ''};
   }
 
-  /** Changes the state. Steps with the same gesture in succession are one step of undo. */
-  change(state, camera, gesture = null) {
+  /** Changes the state. Steps with the same gesture in succession are one step of undo. `moves`: the camera, too. */
+  change(state, camera, gesture = null, moves = false) {
     const latest = this.#undo.at(-1);
-    if (gesture === null || latest?.gesture !== gesture) this.#undo.push({state: this.state, camera, gesture});
+    if (gesture === null || latest?.gesture !== gesture) this.#undo.push({state: this.state, camera, gesture, moves});
+    this.#redo = [];
     if (this.#undo.length > 200) {
       this.#undo.shift();
       ++this.#forgotten;
@@ -122,6 +124,10 @@ class Model {
 
   canUndo() {
     return this.#undo.length > 0;
+  }
+
+  canRedo() {
+    return this.#redo.length > 0;
   }
 
   /** Number of steps so far. */
@@ -140,13 +146,23 @@ class Model {
     return scene === null || edits.length > 0 || base.trim() !== this.info.scenes[scene].select.trim();
   }
 
-  /** Goes one step back. @returns {?object} the camera of that state if it was another scene */
-  undo() {
-    const step = this.#undo.pop();
+  /** Goes one step back. @returns {?object} the camera of that state if the step was a move or to another scene */
+  undo(camera) {
+    return this.#step(this.#undo, this.#redo, camera);
+  }
+
+  /** Takes an undo() back. */
+  redo(camera) {
+    return this.#step(this.#redo, this.#undo, camera);
+  }
+
+  #step(from, to, camera) {
+    const step = from.pop();
     if (!step) return null;
-    const isOtherScene = step.state.scene !== this.state.scene;
+    const moves = step.moves || step.state.scene !== this.state.scene;
+    to.push({state: this.state, camera, gesture: null, moves});
     this.state = step.state;
-    return isOtherScene ? step.camera : null;
+    return moves ? step.camera : null;
   }
 
   /** The edits with new ones, which replace earlier ones in their subtrees. */
@@ -227,6 +243,17 @@ class Model {
 
   showAll(camera) {
     this.change({base: '*:surface', edits: []}, camera);
+  }
+
+  hideAll(camera) {
+    this.change({base: '', edits: []}, camera);
+  }
+
+  /** Shows a subtree within the hulls of all others. */
+  ghostOthers(index, camera) {
+    const mode = this.mode(index);
+    const own = ['surface', 'volume', 'both'].includes(mode) ? mode : 'surface';
+    this.change({base: `"${this.structures[index].id}":${own} + rest(ghost)`, edits: []}, camera);
   }
 
   /**

@@ -5,13 +5,9 @@ const kViewKeys = ['1', '2', '3', '4', '5', '6'];
 const kMaxLinkText = 20000;
 const kMessageMs = 8000;
 const kSlowMs = 1000;  // without a picture until the page says so
-const kKeys = [
-  ['Arrows', 'turn (in the picture)'], ['Shift + arrows', 'move'], ['+ −', 'zoom'],
-  ['1 … 6', 'anterior, posterior, left, right, superior, inferior'], ['F', 'fit the picture to what is shown'],
-  ['N, P', 'answer or next scene, and previous scene; also Page down, Page up'], ['/', 'search'],
-  ['I', 'isolate the chosen structure'], ['H', 'hide or show it'], ['A', 'show all'], ['U', 'undo; also Ctrl + Z'],
-  ['Arrows, Enter, blank', 'walk, choose, hide or show (in the tree)'],
-];
+const kMotionMs = 400;
+const kMotionSteps = 6;  // pictures of a motion at least
+const kFocusZoom = 0.8;
 
 class Page {
   #opening = JSON.parse(block('opening'));
@@ -20,16 +16,34 @@ class Page {
     picture: message => this.#takePicture(message),
     drawn: drawn => this.#takeDrawn(drawn),
     picked: picked => this.#takePick(picked),
-    measured: zoom => this.#copyScene(zoom),
+    hovered: picked => this.#pointer.show(picked),
     told: text => this.#tell(text),
     error: text => this.#takeError(text),
     stopped: text => this.#stopFor(text),
   });
   #stage = new Stage({
-    camera: () => this.#show(),
-    pick: (u, v) => this.#engine.pick(u, v),
+    camera: () => {
+      this.#going = this.#motion = null;
+      this.#show();
+    },
+    pick: (u, v, purpose) => {
+      this.#purpose = purpose;
+      this.#pressed = [u, v];
+      this.#engine.pick(u, v);
+    },
+    hover: (x, y, size) => { if (!this.#motion) this.#pointer.move(x, y, size); },
+    leave: () => this.#pointer.hide(),
     resized: () => { if (!matchMedia('print').matches) this.#show(); },
   });
+  #pointer = new PointerName((u, v) => this.#engine.hover(u, v));
+  #menu = null;
+  #keys = new Map();  // what keys do
+  #purpose = 'choose';  // of the latest pick
+  #pressed = [0, 0];    // its place
+  #named = null;      // index of the structure whose name is on the picture
+  #going = null;      // the latest goal of the camera, until its motion begins
+  #motion = null;     // {from, to, begin, at}
+  #pictures = {count: 0, valueOf() { return this.count; }};
   #model = null;
   #tree = null;
   #inspector = null;
@@ -68,8 +82,9 @@ class Page {
     this.#startViews(info.views);
     this.#startSearch();
     this.#startActions();
+    this.#startKeys();
+    Talk.start();
     this.#showCredits(info.provenance);
-    document.addEventListener('keydown', event => this.#key(event));
     window.addEventListener('hashchange', () => this.#followLink());
     const {select, scene} = this.#opening;
     model.state = {...model.state, ...(scene === null ? {base: select} : model.sceneState(scene))};
@@ -77,19 +92,27 @@ class Page {
     if (!this.#followLink()) this.#changed();
     model.forgetSteps(0);
     byId('undo').disabled = true;
+    window.splatlas = {
+      pictures: this.#pictures, state: () => this.#state(), show: state => this.#restore(state), idle: () => this.#idle(),
+    };
     byId('canvas').hidden = false;
   }
 
   /** The selection or the cuts have changed. */
   #changed() {
+    this.#mark();
+    this.#show();
+  }
+
+  #mark() {
     const {scene, isAsking} = this.#model.state;
     this.#scenes.mark(scene, isAsking, this.#model.differsFromScene());
     this.#cuts.update();
-    const isFirst = !this.#model.canUndo();
-    if (isFirst && document.activeElement === byId('undo')) byId('canvas').focus();
-    byId('undo').disabled = isFirst;
+    for (const [id, can] of [['undo', this.#model.canUndo()], ['redo', this.#model.canRedo()]]) {
+      if (!can && document.activeElement === byId(id)) byId('canvas').focus();
+      byId(id).disabled = !can;
+    }
     byId('selection-text').value = this.#model.selection();
-    this.#show();
   }
 
   /** Draws the present state. */
@@ -98,10 +121,45 @@ class Page {
     if (stage.camera === null) return;
     byId('perspective').checked = Camera.isPerspective(stage.camera);
     this.#slowTimer ||= setTimeout(() => { byId('loading').hidden = false; }, kSlowMs);
-    this.#engine.show({
-      select: this.#model.selection(), cuts: this.#model.state.cuts, camera: stage.camera,
-      size: stage.pictureSize(), depthCue: byId('depth-cue').checked,
-    });
+    this.#engine.show(this.#drawing());
+  }
+
+  #drawing() {
+    return {
+      select: this.#model.selection(), cuts: this.#model.state.cuts, camera: this.#stage.camera,
+      size: this.#stage.pictureSize(), depthCue: byId('depth-cue').checked,
+    };
+  }
+
+  /** Moves the camera to another one, which may have `fit`, picture by picture. */
+  async #goTo(camera) {
+    const goal = this.#going = {};
+    this.#motion = null;
+    const from = this.#stage.camera;
+    const jumps = matchMedia('(prefers-reduced-motion: reduce)').matches || from.fit || this.#pictures.count === 0;
+    let to = jumps ? null : camera;
+    try {
+      if (to?.fit) to = await this.#engine.fitted({...this.#drawing(), camera});
+    } catch {
+      to = null;  // the picture tells why
+    }
+    if (this.#going !== goal) return;
+    this.#going = null;
+    if (to) this.#motion = {from, to, begin: performance.now(), at: 0};
+    else this.#stage.camera = camera;
+    this.#step();
+  }
+
+  /** The next picture of a motion. */
+  #step() {
+    const motion = this.#motion;
+    if (motion) {
+      const due = (performance.now() - motion.begin) / kMotionMs;
+      motion.at = Math.min(Math.max(due, motion.at + 0.02), motion.at + 1 / kMotionSteps, 1);
+      this.#stage.camera = Camera.between(motion.from, motion.to, motion.at, this.#model.info.display);
+      if (motion.at >= 1) this.#motion = null;
+    }
+    this.#show();
   }
 
   /** A picture or an error has come. */
@@ -116,19 +174,28 @@ class Page {
     const scene = this.#model.info.scenes[n];
     this.#model.change(this.#model.sceneState(n), this.#stage.camera);
     const {azimuth, elevation, zoom, center} = scene;
-    const {projection} = this.#stage.camera;
-    this.#stage.camera = {azimuth, elevation, zoom: 1, projection, fit: {structure: -1, zoom, center}};
-    byId('picked').replaceChildren();
-    this.#changed();
+    const projection = scene.projection ?? this.#stage.camera.projection;
+    this.#name(null);
+    this.#mark();
+    this.#goTo({azimuth, elevation, zoom: 1, projection, fit: {structure: -1, zoom, center}});
   }
 
+  /** The picture stays. */
   #answer() {
     this.#model.change({isAsking: false}, this.#stage.camera);
-    this.#changed();
+    this.#mark();
+    this.#writeLink();
   }
 
   #fitSelection() {
     this.#turnTo({fit: {structure: -1, zoom: 1}});
+  }
+
+  /** Shows a structure in the middle. */
+  #focus(index) {
+    if (index === null) return;
+    if (this.#model.mode(index) === 'off') this.#model.setMode(index, 'surface', this.#stage.camera);
+    this.#turnTo({fit: {structure: index, zoom: kFocusZoom}});
   }
 
   #takePicture(message) {
@@ -137,6 +204,8 @@ class Page {
       this.#stage.camera = {...message.camera, azimuth, elevation};
     }
     this.#stage.draw(message);
+    const {width, height, quality, ms} = message;
+    Object.assign(this.#pictures, {count: this.#pictures.count + 1, width, height, quality, ms});
     byId('opening-picture').hidden = true;
     this.#endWait();
     // Only of texts that were typed: the page's own edits hide earlier terms
@@ -147,6 +216,7 @@ class Page {
     this.#typed = null;
     this.#lastGood = {state: this.#model.state, camera: this.#stage.camera, steps: this.#model.steps()};
     document.body.dataset.quality = message.quality;
+    if (this.#motion) this.#step();
     if (message.quality === 'draft') return;
     this.#writeLink();
     if (message.data.some((value, n) => n % 4 === 3 && value > 0)) return;
@@ -158,18 +228,28 @@ class Page {
     this.#model.drawn = drawn;
     this.#tree.update();
     this.#inspector.update();
+    if (this.#named !== null && this.#model.mode(this.#named) === 'off') this.#name(null);
+  }
+
+  /** Puts a structure's name on the picture. */
+  #name(index) {
+    this.#named = index;
+    const path = index === null ? [] : this.#model.path(index);
+    byId('picked').replaceChildren(...(index === null ? [] : [element('strong', {}, nameElement(path.at(-1))),
+      element('small', {}, nameElement(path.slice(0, -1).join(' › ')))]));
   }
 
   #takePick(picked) {
-    const box = byId('picked');
-    if (picked === null) return box.replaceChildren();
-    const path = picked.path.split('/').slice(0, -1).join(' › ');
-    box.replaceChildren(element('strong', {}, nameElement(picked.name)), element('small', {}, nameElement(path)));
+    this.#name(picked?.index ?? null);
+    if (picked === null) return;
     byId('search').value = '';
     this.#tree.show(null);
     this.#tree.reveal(picked.index);
     this.#inspector.choose(picked.index);
-    return undefined;
+    this.#pointer.hide();
+    if (this.#purpose === 'focus') this.#focus(picked.index);
+    const [width, height] = this.#stage.size();
+    if (this.#purpose === 'menu') this.#menu.open(picked.index, this.#pressed[0] * width, this.#pressed[1] * height);
   }
 
   /** Tells an error, and returns to what was drawn before. A text that was typed stays in its box. */
@@ -221,14 +301,15 @@ class Page {
     });
     add('Zoom in', '+', '+', () => this.#stage.zoom(kZoomStep));
     add('Zoom out', '−', '-', () => this.#stage.zoom(1 / kZoomStep));
-    add('Fit', 'Fit', 'F', () => this.#fitSelection());
+    add('Fit', 'Fit', '0', () => this.#fitSelection());
     for (const button of [...byId('views').children].slice(-3, -1)) button.classList.add('sign');
   }
 
-  /** Changes parts of the camera. */
+  /** Changes parts of the camera: a step of undo. */
   #turnTo(camera) {
-    this.#stage.camera = {...this.#stage.camera, ...camera};
-    this.#show();
+    this.#model.change({}, this.#stage.camera, null, true);
+    this.#mark();
+    this.#goTo({...this.#stage.camera, ...camera});
   }
 
   #startSearch() {
@@ -247,8 +328,21 @@ class Page {
   }
 
   #startActions() {
-    byId('undo').addEventListener('click', () => this.#undo());
-    byId('show-all').addEventListener('click', () => this.#showAll());
+    const model = this.#model;
+    const act = (id, does) => byId(id).addEventListener('click', does);
+    act('undo', () => this.#undo('undo'));
+    act('redo', () => this.#undo('redo'));
+    act('show-all', () => this.#edit(camera => model.showAll(camera)));
+    act('hide-all', () => this.#edit(camera => model.hideAll(camera)));
+    act('large', () => Talk.toggle('large'));
+    act('ghost-others', () => this.#ghostOthers(this.#inspector.index));
+    act('focus-chosen', () => this.#focus(this.#inspector.index));
+    this.#menu = new Menu([
+      ['Only this', () => this.#inspector.isolate()],
+      ['Ghost the others', index => this.#ghostOthers(index)],
+      ['Hide', index => this.#inspector.toggle(index)],
+      ['Go there', index => this.#focus(index)],
+    ]);
     byId('apply-text').addEventListener('click', () => {
       this.#typed = byId('selection-text').value;
       this.#model.change({base: this.#typed, edits: []}, this.#stage.camera);
@@ -256,7 +350,10 @@ class Page {
     });
     byId('depth-cue').addEventListener('change', () => this.#show());
     byId('perspective').addEventListener('change',
-      event => this.#turnTo({projection: event.target.checked ? 'perspective' : 'parallel'}));
+      event => {
+        this.#stage.camera = {...this.#stage.camera, projection: event.target.checked ? 'perspective' : 'parallel'};
+        this.#show();
+      });
     byId('print').addEventListener('click', () => print());
     byId('skip').addEventListener('click', event => {
       event.preventDefault();
@@ -267,7 +364,12 @@ class Page {
       if (!this.#writeLink()) return this.#tell('The selection is too long for a link. Copy its text, or a scene.');
       return this.#copy(location.href, 'The link is copied.', 'The link is in the address bar.');
     });
-    byId('copy-scene').addEventListener('click', () => this.#engine.measure());
+    byId('copy-scene').addEventListener('click', async () => {
+      const fit = {...this.#stage.camera, fit: {structure: -1, zoom: 1}};
+      const fitted = await this.#engine.fitted({...this.#drawing(), camera: fit});
+      if (fitted) await this.#copyScene(fitted.zoom);
+      this.#show();
+    });
   }
 
   /** Puts a text into the clipboard, and tells so. @returns {boolean} false where the browser does not let it */
@@ -300,15 +402,22 @@ class Page {
     byId('selection-text').select();
   }
 
-  #undo() {
-    const camera = this.#model.undo();
+  /** Goes one step back or forth: 'undo' or 'redo'. */
+  #undo(direction) {
+    const camera = this.#model[direction](this.#stage.camera);
     if (camera) this.#stage.camera = camera;
+    this.#name(null);
     this.#changed();
   }
 
-  #showAll() {
-    this.#model.showAll(this.#stage.camera);
+  /** Changes the model. */
+  #edit(change) {
+    change(this.#stage.camera);
     this.#changed();
+  }
+
+  #ghostOthers(index) {
+    if (index !== null) this.#edit(camera => this.#model.ghostOthers(index, camera));
   }
 
   #startDisplay() {
@@ -317,10 +426,8 @@ class Page {
     });
     byId('text-size').addEventListener('change', event => {
       document.documentElement.style.setProperty('--text', event.target.value);
-      document.documentElement.toggleAttribute('data-large', event.target.value !== '1');
+      document.documentElement.toggleAttribute('data-large-text', event.target.value !== '1');
     });
-    for (const [key, does] of kKeys)
-      byId('keys').tBodies[0].append(element('tr', {}, element('th', {scope: 'row'}, key), element('td', {}, does)));
   }
 
   #showCredits({title, citation, licence}) {
@@ -333,28 +440,55 @@ class Page {
     byId('print-credits').replaceChildren(nameElement([citation, licence].filter(text => text !== '').join(' · ')));
   }
 
-  /** Keys of the whole page, except where a control takes text. */
+  /** The keys of the page, and their list in the panel. */
+  #startKeys() {
+    const step = by => () => this.#scenes.step(by);
+    const chosen = act => () => { if (this.#inspector.index !== null) act(this.#inspector.index); };
+    const table = [
+      ['Arrows', 'turn (in the picture)', []], ['Shift + arrows', 'move', []],
+      ['+', 'zoom in', ['+', '='], () => this.#stage.zoom(kZoomStep)],
+      ['−', 'zoom out', ['-'], () => this.#stage.zoom(1 / kZoomStep)],
+      ['1 … 6', 'anterior, posterior, left, right, superior, inferior', kViewKeys, key => {
+        const {azimuth, elevation} = this.#model.info.views[kViewKeys.indexOf(key)];
+        this.#turnTo({azimuth, elevation});
+      }],
+      ['0', 'fit the picture to what is shown', ['0', 'Home'], () => this.#fitSelection()],
+      ['Z', 'go to the chosen structure; also a double click', ['z'], chosen(index => this.#focus(index))],
+      ['N, Page down', 'answer or next scene', ['n', 'PageDown'], step(1)],
+      ['P, Page up', 'previous scene', ['p', 'PageUp'], step(-1)],
+      ['/', 'search', ['/'], () => this.#openSearch()],
+      ['I', 'show the chosen structure alone', ['i'], chosen(() => this.#inspector.isolate())],
+      ['G', 'show the others as ghosts', ['g'], chosen(index => this.#ghostOthers(index))],
+      ['H', 'hide or show it', ['h'], chosen(index => this.#inspector.toggle(index))],
+      ['A', 'show all', ['a'], () => this.#edit(camera => this.#model.showAll(camera))],
+      ['Shift + A', 'hide all', ['Shift+a'], () => this.#edit(camera => this.#model.hideAll(camera))],
+      ['U, Ctrl + Z', 'undo', ['u', 'Ctrl+z'], () => this.#undo('undo')],
+      ['R, Ctrl + Y', 'redo', ['r', 'Ctrl+y', 'Ctrl+Shift+z'], () => this.#undo('redo')],
+      ['F, F5', 'picture and caption alone; Escape ends it', ['f', 'F5'], () => Talk.toggle('large')],
+      ['B', 'black screen', ['b'], () => Talk.toggle('black')],
+      ['L', 'a dot for the pointer', ['l'], () => Talk.toggle('dot')],
+      ['Escape', 'end', ['Escape'], () => Talk.end()],
+      ['?', 'this list', ['?'], () => byId('tab-about').click()],
+      ['Arrows, Enter, blank', 'walk, choose, hide or show (in the tree)', []],
+    ];
+    for (const [names, does, keys, act] of table) {
+      byId('keys').tBodies[0].append(element('tr', {}, element('th', {scope: 'row'}, names), element('td', {}, does)));
+      for (const key of keys) this.#keys.set(key, act);
+    }
+    document.addEventListener('keydown', event => this.#key(event));
+  }
+
+  /** Keys of the whole page, except where a control takes text. Presenters' keys work everywhere. */
   #key(event) {
-    if (document.body.dataset.stopped) return;
-    const isUndo = event.key.toLowerCase() === 'z' && (event.ctrlKey || event.metaKey);
-    if (event.target.closest('input:not([type=range]):not([type=checkbox]), textarea, select')) return;
-    if (!isUndo && (event.ctrlKey || event.metaKey || event.altKey)) return;
-    const view = this.#model.info.views[kViewKeys.indexOf(event.key)];
-    const keys = {
-      n: () => this.#scenes.step(1), p: () => this.#scenes.step(-1),
-      PageDown: () => this.#scenes.step(1), PageUp: () => this.#scenes.step(-1),
-      f: () => this.#fitSelection(), u: () => this.#undo(), a: () => this.#showAll(),
-      '+': () => this.#stage.zoom(kZoomStep), '=': () => this.#stage.zoom(kZoomStep),
-      '-': () => this.#stage.zoom(1 / kZoomStep),
-      i: () => this.#inspector.isolate(), h: () => this.#inspector.toggle(this.#inspector.index),
-      '/': () => this.#openSearch(),
-    };
-    const act = isUndo ? keys.u : view ? () => this.#turnTo({azimuth: view.azimuth, elevation: view.elevation}) :
-      keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
-    const scrolls = event.target.closest('input, #cutting, #display, #about');
-    if (!act || (event.key.startsWith('Page') && scrolls)) return;
+    if (document.body.dataset.stopped || event.altKey || event.metaKey) return;
+    const isLetter = /^[a-z]$/i.test(event.key);
+    const name = (event.ctrlKey ? 'Ctrl+' : '') + (event.shiftKey && isLetter ? 'Shift+' : '') +
+      (isLetter ? event.key.toLowerCase() : event.key);
+    const isText = event.target.closest('input:not([type=range]):not([type=checkbox]), textarea, select');
+    const act = this.#keys.get(name);
+    if (!act || (isText && !/^(Page|F5|Escape)/.test(name))) return;
     event.preventDefault();
-    act();
+    act(event.key);
   }
 
   #openSearch() {
@@ -392,17 +526,35 @@ class Page {
     const n = link.get('scene') ?? '';
     const scene = /^\d+$/.test(n) && Number(n) < scenes.length ? Number(n) : null;
     const isAsking = scene !== null && link.has('asks') && scenes[scene].question !== '';
-    this.#model.change({base: link.get('select'), edits: [], scene, isAsking, cuts}, this.#stage.camera);
+    const camera = {projection: link.get('projection') ?? 'parallel'};
     if (isView) {
       const [azimuth, elevation, zoom, ...center] = view;
       const kept = Math.min(Math.max(zoom, Camera.kMinZoom), Camera.kMaxZoom);
-      const projection = link.get('projection') === 'perspective' ? 'perspective' : 'parallel';
-      this.#stage.camera = {azimuth, elevation, zoom: kept, projection, ...(center.length === 3 ? {center} : {})};
-    } else {
-      this.#stage.camera = {...this.#stage.camera, fit: {structure: -1, zoom: 1}};
+      Object.assign(camera, {azimuth, elevation, zoom: kept}, center.length === 3 ? {center} : {});
     }
-    this.#changed();
+    this.#restore({select: link.get('select'), scene, isAsking, cuts, camera: isView ? camera : null});
     return true;
+  }
+
+  /** What is shown, for restore(). */
+  #state() {
+    const {cuts, scene, isAsking} = this.#model.state;
+    return {select: this.#model.selection(), cuts, scene, isAsking, camera: this.#stage.camera};
+  }
+
+  /** Shows a state: a selection, and what is given of cuts, scene, isAsking and camera; the picture is fitted without. */
+  #restore({select, cuts = [], scene = null, isAsking = false, camera = null}) {
+    this.#going = this.#motion = null;
+    this.#model.change({base: select, edits: [], scene, isAsking, cuts}, this.#stage.camera, null, true);
+    this.#stage.camera = camera ?? {...this.#stage.camera, fit: {structure: -1, zoom: 1}};
+    this.#name(null);
+    this.#changed();
+  }
+
+  /** Waits until nothing is drawn or waited for. */
+  async #idle() {
+    const isIdle = () => document.body.dataset.stopped || (!this.#going && !this.#motion && this.#engine.isRefined());
+    while (!isIdle()) await new Promise(resolve => setTimeout(resolve, 20));
   }
 }
 

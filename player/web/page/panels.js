@@ -14,7 +14,7 @@ class Inspector {
     this.#model = model;
     this.#camera = camera;
     this.#changed = changed;
-    this.index = model.roots[0] ?? null;
+    this.index = null;
     for (const button of document.querySelectorAll('[data-mode-button]'))
       button.addEventListener('click', () => this.setMode(button.dataset.modeButton));
     byId('opacity').addEventListener('input', event =>
@@ -116,7 +116,8 @@ class Scenes {
       if (each === n) button.setAttribute('aria-current', 'step');
       else button.removeAttribute('aria-current');
     });
-    byId('caption').replaceChildren(nameElement(n === null ? '' : this.#scenes[n][isAsking ? 'question' : 'caption']));
+    const text = n === null || (isChanged && !isAsking) ? '' : this.#scenes[n][isAsking ? 'question' : 'caption'];
+    byId('caption').replaceChildren(nameElement(text));
     byId('place').textContent = n === null ? `${this.#scenes.length} scenes` :
       `${n + 1} of ${this.#scenes.length}${isChanged ? ', changed' : ''}`;
     const strip = byId('strip');
@@ -126,6 +127,15 @@ class Scenes {
   }
 }
 
+/** Whole mm, [first, last] of each axis of LPS, between which the voxels of a grid lie. */
+function boundsOf({size, spacing_mm: spacing, origin_lps_mm: origin, direction_lps: direction}) {
+  return [0, 1, 2].map(axis => {
+    const ends = size.map((count, a) => [-0.5, count - 0.5].map(at => direction[3 * axis + a] * spacing[a] * at));
+    const sum = choose => ends.reduce((total, each) => total + choose(...each), origin[axis]);
+    return [Math.floor(sum(Math.min)), Math.ceil(sum(Math.max))];
+  });
+}
+
 /** A slider for each axis. Calls the handler changed() after it has changed the model. */
 class Cuts {
   #model;
@@ -133,11 +143,11 @@ class Cuts {
 
   constructor(model, camera, changed) {
     this.#model = model;
-    const {center_lps_mm: center, radius_mm: radius} = model.info.display;
+    const bounds = boundsOf(model.info.storage_grid);
     const axes = [['Right to left', 'left', 'right'], ['Front to back', 'posterior', 'anterior'],
       ['Bottom to top', 'superior', 'inferior']];
     this.#rows = axes.map(([name, high, low], axis) => {
-      const [first, last] = [Math.floor(center[axis] - radius), Math.ceil(center[axis] + radius)];
+      const [first, last] = bounds[axis];
       const slider = element('input',
         {type: 'range', min: first, max: last, step: 0.5, 'aria-label': `Cut, ${name}`});
       const side = element('select', {'aria-label': `Side to remove, ${name}`},
@@ -149,7 +159,7 @@ class Cuts {
         model.setCutAcross(axis, cut, camera(), gesture);
         changed();
       };
-      slider.value = String(center[axis]);
+      slider.value = String((first + last) / 2);
       slider.addEventListener('input', () => {
         if (side.value === '') side.value = 'high';
         read(`cut ${axis}`);

@@ -1,7 +1,7 @@
 // The picture with its pointer, keys, scale bar and directions. Part of the page's script.
 'use strict';
 
-const kMaxPixels = 1.6e6;
+const kMaxPixels = 8.4e6;  // 4K
 const kClickPixels = 6;
 const kClickMs = 500;
 const kTurnDegrees = 10;   // of a key
@@ -9,7 +9,8 @@ const kMovePixels = 30;    // of a key
 const kZoomStep = 1.25;    // of a key
 const kWheelRate = 0.0015;
 
-/** Shows pictures and turns input into cameras. Calls the handlers {camera, pick, resized}. */
+/** Shows pictures and turns input into cameras. Calls the handlers {camera, pick(u, v, purpose), hover, leave, resized};
+ * the purpose of a pick is 'choose', 'focus' or 'menu'. */
 class Stage {
   #handlers;
   #stage = document.getElementById('stage');
@@ -32,7 +33,12 @@ class Stage {
     canvas.addEventListener('pointerdown', event => this.#down(event));
     canvas.addEventListener('pointermove', event => this.#move(event));
     for (const name of ['pointerup', 'pointercancel']) canvas.addEventListener(name, event => this.#up(event));
-    canvas.addEventListener('contextmenu', event => event.preventDefault());
+    canvas.addEventListener('contextmenu', event => {
+      event.preventDefault();
+      this.#pick(this.#place(event), 'menu');
+    });
+    canvas.addEventListener('dblclick', event => this.#pick(this.#place(event), 'focus'));
+    canvas.addEventListener('pointerleave', () => this.#handlers.leave());
     canvas.addEventListener('wheel', event => this.#wheel(event), {passive: false});
     canvas.addEventListener('keydown', event => this.#key(event));
     // An observer must not change what it observes
@@ -77,7 +83,13 @@ class Stage {
 
   #set(camera) {
     this.camera = camera;
+    this.#handlers.leave();
     this.#handlers.camera();
+  }
+
+  #pick([x, y], purpose) {
+    const [width, height] = this.size();
+    this.#handlers.pick(x / width, y / height, purpose);
   }
 
   #place(event) {
@@ -95,9 +107,9 @@ class Stage {
 
   #move(event) {
     const before = this.#pointers.get(event.pointerId);
-    if (!before) return;
     const at = this.#place(event);
-    if (this.#press && Math.hypot(at[0] - this.#press.at[0], at[1] - this.#press.at[1]) < kClickPixels) return;
+    if (!before) return this.#handlers.hover(...at, this.size());
+    if (this.#press && Math.hypot(at[0] - this.#press.at[0], at[1] - this.#press.at[1]) < kClickPixels) return undefined;
     this.#press = null;
     if (this.#pointers.size >= 2) {
       this.#pinch(event.pointerId, before, at);
@@ -108,6 +120,7 @@ class Stage {
         Camera.turnedByDrag(this.camera, dx, dy, this.size()));
     }
     this.#pointers.set(event.pointerId, at);
+    return undefined;
   }
 
   /** One of two fingers has moved: zooms by their distance, and moves by their middle. */
@@ -125,9 +138,7 @@ class Stage {
     const press = this.#press;
     this.#press = null;
     this.#pointers.delete(event.pointerId);
-    if (event.type !== 'pointerup' || !press || event.timeStamp - press.time > kClickMs) return;
-    const [width, height] = this.size();
-    this.#handlers.pick(press.at[0] / width, press.at[1] / height);
+    if (event.type === 'pointerup' && press && event.timeStamp - press.time <= kClickMs) this.#pick(press.at, 'choose');
   }
 
   #wheel(event) {

@@ -1,8 +1,8 @@
 // A worker of the page: draws and picks by an engine. Follows splatlas.js in one script.
 //
 // From the page:  {type: 'start', server, or module with atlas or size}, 'given' and 'withheld' pieces of an atlas on a server, and then
-//                 {type: 'draw'}, {type: 'pick'} and {type: 'measure'}; see engine.js.
-// To the page:    'wanted' pieces, 'ready', 'picture', 'picked', 'measured', 'error' (the worker goes on) and 'fatal' (it
+//                 {type: 'draw'}, {type: 'pick'}, {type: 'hover'} and {type: 'fit'}; see engine.js.
+// To the page:    'wanted' pieces, 'ready', 'picture', 'picked', 'hovered', 'fitted', 'error' (the worker goes on) and 'fatal' (it
 //                 does not).
 'use strict';
 
@@ -98,11 +98,12 @@ function take(pieces) {
 
 function work() {
   isAwake = false;
-  const {draw, pick, measure} = requests;
+  const {draw, pick, hover, fit} = requests;
   requests = {};
   if (draw) attempt(drawPicture, draw);
   if (pick) attempt(answerPick, pick);
-  if (measure) attempt(answerMeasure, measure);
+  if (hover) attempt(answerHover, hover);
+  if (fit) attempt(answerFit, fit);
 }
 
 /** Posts what task(request) returns. Tells the page about errors; after a trap this worker is of no use. */
@@ -162,11 +163,14 @@ function adapt(ms, budget) {
   scale = Math.max(kMinScale, Math.round(wanted / kScaleStep) * kScaleStep);
 }
 
-function answerMeasure({state}) {
-  splatlas.select(state.select);
-  splatlas.cut(state.cuts);
-  splatlas.camera = state.camera;
-  return {type: 'measured', zoom: splatlas.fit(...state.size).zoom};
+function answerFit({state: {select, cuts, size, camera}}) {
+  return {type: 'fitted', camera: splatlas.fitted({select, cuts, size, camera})};
+}
+
+/** The name under a resting pointer, in the latest picture alone. */
+function answerHover({serial, u, v}) {
+  const isLatest = latest?.serial === serial;
+  return {type: 'hovered', hovered: isLatest ? splatlas.pick(u * latest.width, v * latest.height) : null};
 }
 
 /** Picks in the page's newest state. The latest picture is of another one only after an error. */
