@@ -36,6 +36,10 @@ bool stores_normals(const Directory& directory, ClassId c) {
 
 namespace {
 
+/// Length of a vtable with all fields that this version knows.
+constexpr flatbuffers::voffset_t kVtableBytes =
+    schema::Directory::VT_MEAN_BLOCKS + sizeof(flatbuffers::voffset_t);
+
 /// True if end offsets are non-decreasing and the last one is `total`.
 template <typename Rows, typename End>
 bool ends_are_valid(const Rows& rows, End&& end, std::uint64_t total) {
@@ -229,6 +233,8 @@ Result<Directory> decode_directory(std::span<const std::byte> bytes) {
   SPLATLAS_RETURN_IF_ERROR(check_flags(d));
 
   Directory directory;
+  const std::uint8_t* const vtable = reinterpret_cast<const flatbuffers::Table&>(d).GetVTable();
+  directory.has_newer_fields = flatbuffers::ReadScalar<flatbuffers::voffset_t>(vtable) > kVtableBytes;
   const schema::Grid& grid = *d.source_grid();
   directory.source_grid = {to_array<3, std::int64_t>(*grid.size()), to_array<3, double>(*grid.spacing_mm()),
                            to_array<3, double>(*grid.origin_lps_mm()),

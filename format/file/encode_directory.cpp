@@ -1,6 +1,7 @@
 
 #include "format/file/directory.h"
 #include "format/file/directory_text.h"
+#include "format/file/file_layout.h"
 #include "format/file/schema_arrays.h"
 #include "schemas/atlas_generated.h"
 
@@ -140,6 +141,10 @@ Result<std::vector<std::byte>> encode_directory(const Directory& directory) {
           has_scene_text ? builder.CreateVector(scene_text.bytes()) : 0,
           directory.mean_blocks.empty() ? 0 : builder.CreateVector(directory.mean_blocks)),
       schema::DirectoryIdentifier());
+  if (builder.GetSize() > kMaxDirectoryBytes) {
+    return fail(ErrorCode::kFailed, "the directory takes {} bytes (limit {})", builder.GetSize(),
+                kMaxDirectoryBytes);
+  }
   const auto* begin = reinterpret_cast<const std::byte*>(builder.GetBufferPointer());
   return std::vector<std::byte>(begin, begin + builder.GetSize());
 }

@@ -110,6 +110,48 @@ TEST_F(Scenes, TellWhatIsWrong) {
               HasSubstr("no scenes; build it with --scene FILE.toml"));
 }
 
+TEST_F(Scenes, AreReplacedWithoutSources) {
+  write("other.toml", "[[scene]]\nname = \"Other\"\nselect = \"#2\"\n");
+  const auto lesson = [&](const Words& options) {
+    return run_preprocess(joined({"lesson", "a.atlas"}, options), folder.path());
+  };
+  ASSERT_EQ(build({"--scene", "lesson.toml"}).status, 0);
+  const std::string built = read_bytes(folder.file("a.atlas"));
+  const ProgramResult result = lesson({"--scene", "other.toml", "--scene", "lesson.toml", "-o", "b.atlas"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(result.out, "b.atlas: 3 scenes\n");
+  EXPECT_THAT(run_player({"info", "b.atlas"}, folder.path()).out,
+              HasSubstr("\nscenes    \"Other\", \"Two slabs\", \"Upper slab\"\n"));
+  EXPECT_EQ(run_player({"verify", "b.atlas"}, folder.path()).status, 0);
+  EXPECT_EQ(lesson({"--scene", "lesson.toml", "-o", "b.atlas"}).status, 0);
+  EXPECT_TRUE(read_bytes(folder.file("b.atlas")) == built) << "as build writes these scenes";
+
+  write("stale.toml", "[[scene]]\nname = \"A\"\nselect = '\"Label 9\"'\n");
+  std::string damaged = built;
+  damaged[100] ^= 1;
+  write("damaged.atlas", damaged);
+  const std::string out = "-o";
+  for (const auto& [words, status, message] :
+       {std::tuple<Words, int, std::string>{
+            {"a.atlas", "--scene", "other.toml", out, "a.atlas"}, 2, "is an input"},
+        {{"a.atlas", "--scene", "lesson.toml", "lesson.toml", out, "b.atlas"},
+         1,
+         "another file has one of this name"},
+        {{"a.atlas", "--scene", "stale.toml", out, "b.atlas"},
+         1,
+         "stale.toml: scene \"A\": selection, column 1: no structure is called \"Label 9\"; the nearest: "
+         "\"Label 1\", \"Label 2\""},
+        {{"damaged.atlas", "--scene", "other.toml", out, "b.atlas"},
+         3,
+         "damaged.atlas: damaged: checksum of the directory"}}) {
+    const ProgramResult refused = run_preprocess(joined({"lesson"}, words), folder.path());
+    EXPECT_EQ(refused.status, status);
+    EXPECT_THAT(refused.err, HasSubstr(message));
+  }
+  EXPECT_TRUE(read_bytes(folder.file("a.atlas")) == built);
+  EXPECT_TRUE(read_bytes(folder.file("b.atlas")) == built);
+}
+
 /// Also of a scene that the user names: the file is at fault.
 TEST_F(Scenes, FaultyOnesAreFaultsOfTheAtlas) {
   AtlasContent content = hostile_content({"a"}, {"a"});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -154,7 +155,22 @@ Result<SceneFile> read_scenes(const std::filesystem::path& path) {
   return file;
 }
 
-Result<void> check_names(const SceneFile& file, const StructureGraph& graph) {
+Result<std::vector<SceneFile>> read_scenes(const std::vector<std::filesystem::path>& paths) {
+  std::vector<SceneFile> files;
+  std::set<std::string> names;
+  for (const std::filesystem::path& path : paths) {
+    SPLATLAS_ASSIGN_OR_RETURN(SceneFile file, read_scenes(path));
+    for (const Scene& scene : file.scenes) {
+      if (names.insert(to_lower(scene.name)).second) continue;
+      return fail(ErrorCode::kFailed, "{}: scene {}: another file has one of this name; rename one",
+                  path.string(), in_quotes(scene.name));
+    }
+    files.push_back(std::move(file));
+  }
+  return files;
+}
+
+Result<std::vector<Scene>> scenes_of(const std::vector<SceneFile>& files, const StructureGraph& graph) {
   const auto check = [&](const Scene& scene) -> Result<void> {
     SPLATLAS_RETURN_IF_ERROR(Selection::parse(scene.selection, graph));
     const auto center = parse_center(scene.center);
@@ -162,13 +178,17 @@ Result<void> check_names(const SceneFile& file, const StructureGraph& graph) {
       SPLATLAS_RETURN_IF_ERROR(graph.find_named(scene.center));
     return {};
   };
-  for (const Scene& scene : file.scenes) {
-    const Result<void> checked = check(scene);
-    if (checked) continue;
-    return fail(ErrorCode::kFailed, "{}: scene {}: {}", file.path.string(), in_quotes(scene.name),
-                checked.error().message);
+  std::vector<Scene> scenes;
+  for (const SceneFile& file : files) {
+    for (const Scene& scene : file.scenes) {
+      if (const Result<void> checked = check(scene); !checked) {
+        return fail(ErrorCode::kFailed, "{}: scene {}: {}", file.path.string(), in_quotes(scene.name),
+                    checked.error().message);
+      }
+      scenes.push_back(scene);
+    }
   }
-  return {};
+  return scenes;
 }
 
 }  // namespace splatlas

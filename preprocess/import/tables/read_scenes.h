@@ -20,8 +20,12 @@ struct SceneFile {
 /// (texts as of --cut); all but the first two may be left out. kFailed with file, line and
 /// remedy for other keys, wrong types and values, and names that repeat.
 [[nodiscard]] Result<SceneFile> read_scenes(const std::filesystem::path& path);
+/// The same of several files. kFailed also if two of them have scenes of one name.
+[[nodiscard]] Result<std::vector<SceneFile>> read_scenes(const std::vector<std::filesystem::path>& paths);
 
-/// kFailed, with file and scene, for a selection or a centre that the structures do not have.
-[[nodiscard]] Result<void> check_names(const SceneFile& file, const StructureGraph& graph);
+/// The scenes of all files. kFailed, with file and scene, for a selection or a centre that the structures do
+/// not have.
+[[nodiscard]] Result<std::vector<Scene>> scenes_of(const std::vector<SceneFile>& files,
+                                                   const StructureGraph& graph);
 
 }  // namespace splatlas
