@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/cli/hostile_atlas.h"
 #include "tests/cli/programs.h"
@@ -14,6 +15,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 struct Scenes : testing::Test {
   TemporaryFolder folder;
@@ -76,13 +78,48 @@ TEST_F(Scenes, CutAndCentre) {
   EXPECT_FALSE(read_bytes(folder.file("a.png")) == read_bytes(folder.file("c.png")));
 }
 
+TEST_F(Scenes, HaveViewProjectionLabelsAndLines) {
+  write("keys.toml",
+        "[[scene]]\nname = \"A\"\nselect = \"*:surface\"\nview = \"superior\"\nprojection = \"perspective\"\n"
+        "labels = [\"Label 2\"]\ncaption = \"\"\"\nFirst.\nSecond.\"\"\"\n"
+        "[[scene]]\nname = \"B\"\nselect = \"*:surface\"\nview = \"left\"\nlabels = [\"Label 2\"]\n");
+  ASSERT_EQ(build({"--scene", "keys.toml"}).status, 0);
+  const auto same = [&](const Words& a, const Words& b) {
+    EXPECT_EQ(render(joined(a, {"-o", "a.png"})).status, 0);
+    EXPECT_EQ(render(joined(b, {"-o", "b.png", "--select", "*:surface"})).status, 0);
+    return read_bytes(folder.file("a.png")) == read_bytes(folder.file("b.png"));
+  };
+  EXPECT_TRUE(same({"--scene", "A"}, {"--view", "superior", "--projection", "perspective"}));
+  EXPECT_TRUE(same({"--scene", "A", "--projection", "parallel"}, {"--view", "superior"}));
+  EXPECT_TRUE(same({"--scene", "B"}, {"--view", "left"}));
+
+  ASSERT_EQ(render({"-o", "a.svg", "--scene", "A", "--annotate", "caption"}).status, 0);
+  EXPECT_THAT(read_bytes(folder.file("a.svg")),
+              AllOf(HasSubstr(">First.</text>"), HasSubstr(">Second.</text>")));
+  ASSERT_EQ(render({"-o", "b.svg", "--scene", "B", "--annotate", "labels"}).status, 0);
+  EXPECT_THAT(read_bytes(folder.file("b.svg")),
+              AllOf(HasSubstr(">Label 2</text>"), Not(HasSubstr("Label 1")), Not(HasSubstr("not labelled"))));
+
+  const auto scene =
+      nlohmann::json::parse(run_player({"info", "a.atlas", "--json"}, folder.path()).out)["scenes"][0];
+  EXPECT_EQ(scene["azimuth"], 180);
+  EXPECT_EQ(scene["elevation"], 90);
+  EXPECT_EQ(scene["projection"], "perspective");
+  EXPECT_EQ(scene["labels"], nlohmann::json({"Label 2"}));
+  EXPECT_EQ(scene["caption"], "First.\nSecond.");
+}
+
 TEST_F(Scenes, TellWhatIsWrong) {
   write("stale.toml", "[[scene]]\nname = \"A\"\nselect = \"Liver\"\n");
   write("nowhere.toml", "[[scene]]\nname = \"A\"\nselect = \"*\"\ncenter = \"Liver\"\n");
+  write("unlabelled.toml", "[[scene]]\nname = \"A\"\nselect = \"*\"\nlabels = [\"Liver\"]\n");
   write("same.toml", "[[scene]]\nname = \"two slabs\"\nselect = \"*\"\n");
   for (const auto& [options, message] :
        {std::pair<Words, std::string>{{"--scene", "stale.toml"}, "stale.toml: scene \"A\": "},
         {{"--scene", "nowhere.toml"}, "nowhere.toml: scene \"A\": "},
+        {{"--scene", "unlabelled.toml"},
+         "unlabelled.toml: scene \"A\": no structure is called \"Liver\"; the nearest: \"Label 1\", \"Label "
+         "2\""},
         {{"--scene", "none.toml"}, "none.toml"},
         {{"--scene", "lesson.toml", "--scene", "same.toml"},
          "same.toml: scene \"two slabs\": another file has one of this name; rename one"}}) {
@@ -158,8 +195,9 @@ TEST_F(Scenes, FaultyOnesAreFaultsOfTheAtlas) {
   content.scenes = {{"syntax", "", "a +"}, {"name", "", "nobody"}};
   content.scenes.push_back({.name = "cut", .caption = "", .selection = "*", .cuts = "left"});
   content.scenes.push_back({.name = "center", .caption = "", .selection = "*", .center = "nobody"});
+  content.scenes.push_back({.name = "label", .caption = "", .selection = "*", .labels = {"nobody"}});
   write_bytes(folder.file("bad.atlas"), value_or_throw(encode_atlas(content)));
-  for (const std::string name : {"syntax", "name", "cut", "center"}) {
+  for (const std::string name : {"syntax", "name", "cut", "center", "label"}) {
     const ProgramResult result =
         run_player({"render", "bad.atlas", "-o", "x.png", "--scene", name}, folder.path());
     EXPECT_EQ(result.status, 3) << result.err;

@@ -38,8 +38,9 @@ RawAtlas newer_atlas() {
 }
 
 TEST(AtlasCopy, ChangesScenesAlone) {
-  const std::vector<Scene> scenes{{"New", "Two\nlines", "rest", 1, 2, 3, "Why?", "left=1", "#1"},
-                                  {"Other", "", "core", 0, 90, 1}};
+  const std::vector<Scene> scenes{
+      {"New", "Two\nlines", "rest", 1, 2, 3, "Why?", "left=1", "#1", true, {"core"}},
+      {"Other", "", "core", 0, 90, 1}};
   const Bytes file = file_of(newer_atlas());
   const Result<Bytes> copy = copy_of(file, scenes);
   ASSERT_TRUE(copy) << copy.error().message;
@@ -61,6 +62,18 @@ TEST(AtlasCopy, ChangesScenesAlone) {
 
 TEST(AtlasCopy, RefusesWhatItCannotCopy) {
   const std::vector<Scene> scenes{{"A", "", "*", 0, 0, 1}};
+  RawAtlas newer = newer_atlas();
+  newer.directory.scene_view_ends = {0, 1};  // the last field that this version knows
+  newer.directory.scene_view_text = {'a'};
+  newer.on_directory = [](Bytes& bytes) {  // a field more in the vtable
+    const auto table = std::to_integer<std::size_t>(bytes[0]) + 256 * std::to_integer<std::size_t>(bytes[1]);
+    std::int32_t to_vtable = 0;
+    std::memcpy(&to_vtable, &bytes[table], sizeof to_vtable);
+    std::byte& length = bytes[table - static_cast<std::size_t>(to_vtable)];
+    length = std::byte(std::to_integer<int>(length) + 2);
+  };
+  EXPECT_THAT(copy_of(file_of(newer), scenes),
+              FailsWith(ErrorCode::kFailed, HasSubstr("F: format 1.7 has entries in the directory")));
   RawAtlas damaged = newer_atlas();
   damaged.on_file = [](Bytes& file) { file.back() ^= std::byte{1}; };
   EXPECT_THAT(copy_of(file_of(damaged), scenes),
