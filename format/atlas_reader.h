@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -108,6 +109,12 @@ class Atlas {
   [[nodiscard]] Result<AtlasContent> read_classes() const;
   /// The grey values of all voxels. `class_volume` is the one of read_classes().
   [[nodiscard]] Result<VoxelBuffer> read_value_volume(std::span<const ClassId> class_volume) const;
+  /// Passes the bytes of this file with other scenes to `write`, piece by piece: header, directory, and every
+  /// chunk as it is stored, those of unknown sections too. Checks the checksums of the chunks, but decodes
+  /// none. kFailed for scenes that a file cannot hold, and for a directory with fields of a newer minor
+  /// version; errors of `write`. Linear in the file; memory: the directory and one chunk.
+  [[nodiscard]] Result<void> copy_with_scenes(
+      std::vector<Scene> scenes, const std::function<Result<void>(std::span<const std::byte>)>& write) const;
   /// Reads and checks every byte of the file. Returns the first fault, with its section, or success.
   [[nodiscard]] Result<void> verify() const;
 

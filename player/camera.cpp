@@ -37,19 +37,8 @@ tl::unexpected<Error> bad_camera(std::string_view parameter, std::string_view fa
 }
 
 Camera Camera::of(NamedView view) {
-  Camera camera;
-  switch (view) {
-    case NamedView::kAnterior: break;
-    case NamedView::kPosterior: camera.azimuth_deg = 180; break;
-    case NamedView::kLeft: camera.azimuth_deg = 90; break;
-    case NamedView::kRight: camera.azimuth_deg = -90; break;
-    case NamedView::kSuperior:
-      camera.azimuth_deg = 180;
-      camera.elevation_deg = 90;
-      break;
-    case NamedView::kInferior: camera.elevation_deg = -90; break;
-  }
-  return camera;
+  const ViewAngles& angles = kViewAngles[static_cast<std::size_t>(view)];
+  return {.azimuth_deg = angles.azimuth_deg, .elevation_deg = angles.elevation_deg};
 }
 
 std::string direction_letters(const Vec3& direction_lps) {

@@ -8,12 +8,10 @@
 
 #include "format/content/atlas_content.h"
 #include "format/content/grid.h"
+#include "format/content/named_view.h"
 #include "format/result.h"
 
 namespace splatlas {
-
-/// Standard anatomical views, named after the side of the subject that faces the viewer.
-enum class NamedView : std::uint8_t { kAnterior, kPosterior, kLeft, kRight, kSuperior, kInferior };
 
 /// Projection of the volume onto the picture.
 enum class CameraProjection : std::uint8_t { kParallel, kPerspective };
@@ -38,7 +36,7 @@ struct Camera {
   CameraProjection projection = CameraProjection::kParallel;
   double field_of_view_deg = 30;  ///< vertical angle, perspective only
 
-  /// The camera of a standard view, at zoom 1. Superior and inferior views have anterior up.
+  /// The camera of a standard view, at zoom 1.
   [[nodiscard]] static Camera of(NamedView view);
 };
 

@@ -121,6 +121,12 @@ Result<SceneFraming> framing_of(const Scene& scene, const Atlas& atlas) {
   };
   SceneFraming framing;
   SPLATLAS_ASSIGN_OR_RETURN(framing.cuts, parse_cuts(scene.cuts).map_error(in_scene));
+  const StructureGraph& graph = atlas.graph();
+  if (!scene.labels.empty()) framing.labelled.resize(graph.size());
+  for (const std::string& label : scene.labels) {
+    SPLATLAS_ASSIGN_OR_RETURN(const auto named, graph.find_named(label).map_error(in_scene));
+    for (const StructureIndex s : graph.descendants(named)) framing.labelled[s] = true;
+  }
   if (scene.center.empty()) return framing;
   const auto center = parse_center(scene.center);
   if (!center)

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "format/atlas_reader.h"
 #include "format/content/cut_planes.h"
@@ -44,10 +45,11 @@ struct LpsBox {
 /// without voxels. Thread-safe, linear in the classes.
 [[nodiscard]] Result<std::optional<Vec3>> center_of(const FrameCenter& center, const Atlas& atlas);
 
-/// Cuts and centre of a scene.
+/// Cuts, centre and labels of a scene.
 struct SceneFraming {
   CutPlanes cuts;
   std::optional<Vec3> center_lps_mm;  ///< none: the middle of the selection
+  std::vector<bool> labelled;         ///< [structure]: may get a label; empty: all may
 };
 
 /// Reads the texts of a scene of this atlas. kInvalidAtlas for bad ones; messages name the atlas and the

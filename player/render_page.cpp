@@ -22,7 +22,14 @@ constexpr int kMaxPicks = 40000;
 /// Longer texts would take the whole page, and seconds to lay out. Names of built atlases are never longer.
 constexpr std::size_t kMaxTextBytes = 4000, kMaxNameBytes = 800;
 
-/// A text as printed, cut off if it is too long.
+/// A text as printed, cut off if it is too long. Keeps line feeds.
+std::string printed_lines(std::string_view text) {
+  std::string lines = printable_lines(shortened(text, kMaxTextBytes));
+  std::ranges::replace(lines, '\t', ' ');
+  return lines;
+}
+
+/// The same as one line.
 std::string one_line(std::string_view text, std::size_t max_bytes = kMaxTextBytes) {
   return printable(shortened(text, max_bytes));
 }
@@ -52,7 +59,8 @@ void paint_behind(Picture& picture, Rgb top, Rgb bottom) {
 }
 
 /// The structures in a picture of the renderer's selection, in the order of the tree.
-std::vector<NamedStructure> structures_of(const Frame& frame, const Renderer& renderer) {
+std::vector<NamedStructure> structures_of(const Frame& frame, const Renderer& renderer,
+                                          const std::vector<bool>& labelled) {
   const auto pick = [&](double x, double y) {
     const std::optional<Pick> found = frame.pick(x, y);
     return found ? found->structure : kNoStructure;
@@ -65,7 +73,8 @@ std::vector<NamedStructure> structures_of(const Frame& frame, const Renderer& re
   for (const StructureIndex s : graph.preorder()) {
     const auto found = visible.find(s);
     if (found == visible.end()) continue;
-    structures.push_back({printed_name(graph[s]), renderer.selection().structures[s].color, found->second});
+    structures.push_back({printed_name(graph[s]), renderer.selection().structures[s].color, found->second,
+                          labelled.empty() || labelled[s]});
   }
   return structures;
 }
@@ -88,7 +97,7 @@ struct PageRenderer::Impl {
   [[nodiscard]] bool names_structures() const { return options.items.labels || options.items.legend; }
 
   [[nodiscard]] AnnotationOptions annotation_options(const Provenance& provenance) const {
-    return {options.items, options.max_labels, one_line(options.caption.value_or(provenance.title)),
+    return {options.items, options.max_labels, printed_lines(options.caption.value_or(provenance.title)),
             one_line(provenance.citation), options.dpi};
   }
 
@@ -108,7 +117,7 @@ struct PageRenderer::Impl {
     SPLATLAS_ASSIGN_OR_RETURN(const Camera whole, renderer.fit(camera, draft));
     SPLATLAS_ASSIGN_OR_RETURN(const Frame frame, renderer.render(whole, draft));
     decode_ms += frame.stats.decode_ms;
-    std::vector<NamedStructure> structures = structures_of(frame, renderer);
+    std::vector<NamedStructure> structures = structures_of(frame, renderer, options.labelled);
     for (NamedStructure& one : structures) one.visible.pixels /= scale * scale;
     return structures;
   }
@@ -156,7 +165,7 @@ struct PageRenderer::Impl {
     AnnotatedScene scene{frame.picture, view};
     if (!keeps_alpha)
       scene.background = options.background, scene.background_bottom = options.background_bottom;
-    if (names_structures()) scene.structures = structures_of(frame, renderer);
+    if (names_structures()) scene.structures = structures_of(frame, renderer, options.labelled);
     SPLATLAS_RETURN_IF_ERROR(drawer->wait());
     const AnnotationOptions content = annotation_options(atlas.provenance());
     SPLATLAS_ASSIGN_OR_RETURN(AnnotationLayer layer, annotate_picture(scene, content, measure));
@@ -214,13 +223,18 @@ void PageRenderer::set_caption(std::string caption) {
   impl_->options.caption = std::move(caption);
 }
 
+void PageRenderer::set_labelled(std::vector<bool> labelled) {
+  impl_->options.labelled = std::move(labelled);
+}
+
 void PageRenderer::set_cuts(const CutPlanes& cuts) {
   impl_->options.render.cuts = cuts;
 }
 
 Result<Page> PageRenderer::render(Renderer& renderer, const Camera& camera, const RenderControl& control) {
   const PageOptions& options = impl_->options;
-  impl_->title = one_line(options.caption.value_or(renderer.atlas().provenance().title));
+  impl_->title = printed_lines(options.caption.value_or(renderer.atlas().provenance().title));
+  std::ranges::replace(impl_->title, '\n', ' ');
   double decode_ms = 0;
   Page page;
   SPLATLAS_ASSIGN_OR_RETURN(page.camera, impl_->fit(renderer, camera, decode_ms));

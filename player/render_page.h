@@ -26,6 +26,7 @@ struct PageOptions {
   bool outlines = false;                              ///< dark lines around structures
   AnnotationItems items = {};                         ///< none: a plain picture
   std::size_t max_labels = 40;                        ///< labels of the largest structures
+  std::vector<bool> labelled = {};                    ///< [structure]: may get a label; empty: all may
   std::optional<std::string> caption = std::nullopt;  ///< not set: the title of the atlas
   /// Pixels per inch in print. Not set: the short side has 160 mm, but labels have at least 11 pixels.
   std::optional<double> dpi = std::nullopt;
@@ -54,6 +55,8 @@ class PageRenderer {
   void set_caption(std::string caption);
   /// Replaces the cuts of the options.
   void set_cuts(const CutPlanes& cuts);
+  /// Replaces PageOptions::labelled.
+  void set_labelled(std::vector<bool> labelled);
 
   /// Renders the renderer's selection. Fits it to the space that the annotations leave: for labels and a
   /// legend, a small draft render finds the visible structures first. The zoom of the camera multiplies that

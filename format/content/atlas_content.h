@@ -16,12 +16,16 @@ namespace splatlas {
 /// A named view of a selection: one step of a lesson.
 struct Scene {
   std::string name;
-  std::string caption;
+  std::string caption;    ///< may have several lines
   std::string selection;  ///< selection text (format/content/selection.h)
   double azimuth_deg = 0, elevation_deg = 0, zoom = 1;
   std::string question = {};  ///< asked before the caption is shown; may be empty
   std::string cuts = {};      ///< of parse_cuts()
   std::string center = {};    ///< of parse_center(); empty: the middle of the selection
+  bool perspective = false;   ///< projection of the picture; else parallel
+  /// Names (StructureGraph::find_named()) without line feeds: they and their descendants get labels. Empty:
+  /// the largest structures.
+  std::vector<std::string> labels = {};
   friend bool operator==(const Scene&, const Scene&) = default;
 };
 

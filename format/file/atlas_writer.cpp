@@ -352,10 +352,6 @@ void AtlasEncoder::add_section(SectionKind kind, const SectionBytes& decoded) {
 
 Result<std::vector<std::byte>> AtlasEncoder::assemble() {
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> directory, encode_directory(directory_));
-  if (directory.size() > kMaxDirectoryBytes) {
-    return fail(ErrorCode::kFailed, "the directory takes {} bytes (limit {})", directory.size(),
-                kMaxDirectoryBytes);
-  }
   SPLATLAS_ASSIGN_OR_RETURN(const FileLayout layout, lay_out(directory_, directory.size()));
   const FileHeader header = make_header(directory, layout.file_bytes());
   std::vector<std::byte> file(layout.file_bytes());

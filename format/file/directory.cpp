@@ -1,6 +1,7 @@
 #include "format/file/directory.h"
 
 #include <algorithm>
+#include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
@@ -36,6 +37,10 @@ bool stores_normals(const Directory& directory, ClassId c) {
 
 namespace {
 
+/// Length of a vtable with all fields that this version knows.
+constexpr flatbuffers::voffset_t kVtableBytes =
+    schema::Directory::VT_SCENE_VIEW_TEXT + sizeof(flatbuffers::voffset_t);
+
 /// True if end offsets are non-decreasing and the last one is `total`.
 template <typename Rows, typename End>
 bool ends_are_valid(const Rows& rows, End&& end, std::uint64_t total) {
@@ -70,11 +75,11 @@ Result<void> check_terms(const schema::Directory& d) {
 }
 
 /// Further texts of scenes are in both tables, or in none.
-Result<void> check_scene_text(const schema::Directory& d) {
-  if (d.scene_text_ends() == nullptr && d.scene_text() == nullptr) return {};
-  if (d.scene_text_ends() == nullptr || d.scene_text() == nullptr ||
-      d.scene_text_ends()->size() != 3 * std::uint64_t{d.scenes()->size()} ||
-      !ends_are_valid(*d.scene_text_ends(), kValue, d.scene_text()->size())) {
+Result<void> check_scene_text(const flatbuffers::Vector<std::uint32_t>* ends,
+                              const flatbuffers::Vector<std::uint8_t>* text, std::uint64_t strings) {
+  if (ends == nullptr && text == nullptr) return {};
+  if (ends == nullptr || text == nullptr || ends->size() != strings ||
+      !ends_are_valid(*ends, kValue, text->size())) {
     return invalid_atlas("invalid: inconsistent offsets of directory text of scenes");
   }
   return {};
@@ -95,7 +100,9 @@ Result<void> check_tables(const schema::Directory& d) {
     return invalid_atlas("invalid: inconsistent offsets of directory text");
   }
   SPLATLAS_RETURN_IF_ERROR(check_terms(d));
-  SPLATLAS_RETURN_IF_ERROR(check_scene_text(d));
+  const std::uint64_t scenes = d.scenes()->size();
+  SPLATLAS_RETURN_IF_ERROR(check_scene_text(d.scene_text_ends(), d.scene_text(), 3 * scenes));
+  SPLATLAS_RETURN_IF_ERROR(check_scene_text(d.scene_view_ends(), d.scene_view_text(), 2 * scenes));
   const auto parents_end = [](const auto& rows, auto n) { return rows.Get(n)->parents_end(); };
   if (!ends_are_valid(*d.structures(), parents_end, d.parents()->size())) {
     return invalid_atlas("invalid: inconsistent offsets of directory table of parents");
@@ -196,6 +203,14 @@ void read_scenes_and_sources(const schema::Directory& d, TextReader& text, Direc
       for (auto* part : {&scene.question, &scene.cuts, &scene.center}) *part = scene_text.next();
     }
   }
+  if (d.scene_view_text() != nullptr) {
+    TextReader view_text(*d.scene_view_ends(), *d.scene_view_text());
+    for (Scene& scene : directory.scenes) {
+      scene.perspective = view_text.next() == kPerspective;
+      std::istringstream labels(view_text.next());
+      for (std::string name; std::getline(labels, name);) scene.labels.push_back(name);
+    }
+  }
   for (std::uint32_t n = 0; n < d.sources(); ++n) {
     directory.provenance.sources.push_back({text.next(), text.next()});
   }
@@ -229,6 +244,8 @@ Result<Directory> decode_directory(std::span<const std::byte> bytes) {
   SPLATLAS_RETURN_IF_ERROR(check_flags(d));
 
   Directory directory;
+  const std::uint8_t* const vtable = reinterpret_cast<const flatbuffers::Table&>(d).GetVTable();
+  directory.has_newer_fields = flatbuffers::ReadScalar<flatbuffers::voffset_t>(vtable) > kVtableBytes;
   const schema::Grid& grid = *d.source_grid();
   directory.source_grid = {to_array<3, std::int64_t>(*grid.size()), to_array<3, double>(*grid.spacing_mm()),
                            to_array<3, double>(*grid.origin_lps_mm()),

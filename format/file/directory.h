@@ -72,6 +72,7 @@ struct Directory {
   Provenance provenance;
   std::vector<SectionEntry> sections;  ///< in file order
   std::vector<ChunkEntry> chunks;      ///< of all sections, in file order
+  bool has_newer_fields = false;       ///< of a newer minor version; decoding leaves them out
 };
 
 /// True if the voxels of a class have normals: it has a boundary membership.
@@ -79,7 +80,7 @@ struct Directory {
 /// True if the file stores the normals of a class.
 [[nodiscard]] bool stores_normals(const Directory& directory, ClassId c);
 
-/// Encodes a directory. Deterministic.
+/// Encodes a directory. Deterministic. kFailed beyond kMaxDirectoryBytes.
 [[nodiscard]] Result<std::vector<std::byte>> encode_directory(const Directory& directory);
 
 /// Decodes an untrusted directory and checks its tables, structures and classes: kInvalidAtlas. validate()

@@ -54,6 +54,8 @@ Result<void> check_texts(const Directory& d) {
          {&scene.name, &scene.caption, &scene.selection, &scene.question, &scene.cuts, &scene.center}) {
       SPLATLAS_RETURN_IF_ERROR(check_text(*text, [n] { return fmt::format("text of scene {}", n); }));
     }
+    for (const std::string& label : scene.labels)
+      SPLATLAS_RETURN_IF_ERROR(check_text(label, [n] { return fmt::format("text of scene {}", n); }));
     if (!all_finite({scene.azimuth_deg, scene.elevation_deg, scene.zoom}) || !(scene.zoom > 0)) {
       return invalid_atlas("invalid: camera of scene {}: azimuth {}, elevation {}, zoom {}", n,
                            scene.azimuth_deg, scene.elevation_deg, scene.zoom);

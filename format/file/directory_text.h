@@ -11,6 +11,9 @@
 
 namespace splatlas {
 
+/// The projection of a scene that is not parallel.
+inline constexpr std::string_view kPerspective = "perspective";
+
 /// Concatenates strings.
 class TextWriter {
  public:

@@ -1,6 +1,7 @@
 
 #include "format/file/directory.h"
 #include "format/file/directory_text.h"
+#include "format/file/file_layout.h"
 #include "format/file/schema_arrays.h"
 #include "schemas/atlas_generated.h"
 
@@ -33,6 +34,15 @@ TextWriter write_scene_text(const std::vector<Scene>& scenes) {
   TextWriter text;
   for (const Scene& scene : scenes) {
     for (const auto* part : {&scene.question, &scene.cuts, &scene.center}) text.add(*part);
+  }
+  return text;
+}
+
+TextWriter write_scene_views(const std::vector<Scene>& scenes) {
+  TextWriter text;
+  for (const Scene& scene : scenes) {
+    text.add(scene.perspective ? kPerspective : "");
+    text.add(fmt::format("{}", fmt::join(scene.labels, "\n")));
   }
   return text;
 }
@@ -118,6 +128,8 @@ Result<std::vector<std::byte>> encode_directory(const Directory& directory) {
 
   const TextWriter scene_text = write_scene_text(directory.scenes);
   const bool has_scene_text = !scene_text.bytes().empty();
+  const TextWriter scene_views = write_scene_views(directory.scenes);
+  const bool has_scene_views = !scene_views.bytes().empty();
   const bool has_terms = !structures.term_text.ends().empty();
   flatbuffers::FlatBufferBuilder builder;
   builder.Finish(
@@ -138,8 +150,14 @@ Result<std::vector<std::byte>> encode_directory(const Directory& directory) {
           has_terms ? builder.CreateVector(structures.term_text.bytes()) : 0,
           has_scene_text ? builder.CreateVector(scene_text.ends()) : 0,
           has_scene_text ? builder.CreateVector(scene_text.bytes()) : 0,
-          directory.mean_blocks.empty() ? 0 : builder.CreateVector(directory.mean_blocks)),
+          directory.mean_blocks.empty() ? 0 : builder.CreateVector(directory.mean_blocks),
+          has_scene_views ? builder.CreateVector(scene_views.ends()) : 0,
+          has_scene_views ? builder.CreateVector(scene_views.bytes()) : 0),
       schema::DirectoryIdentifier());
+  if (builder.GetSize() > kMaxDirectoryBytes) {
+    return fail(ErrorCode::kFailed, "the directory takes {} bytes (limit {})", builder.GetSize(),
+                kMaxDirectoryBytes);
+  }
   const auto* begin = reinterpret_cast<const std::byte*>(builder.GetBufferPointer());
   return std::vector<std::byte>(begin, begin + builder.GetSize());
 }

@@ -49,8 +49,7 @@ Result<void> check_version(const FileHeader& header) {
 
 }  // namespace
 
-FileHeader make_header(std::span<const std::byte> directory, std::uint64_t file_bytes) {
-  FileHeader header;
+FileHeader make_header(std::span<const std::byte> directory, std::uint64_t file_bytes, FileHeader header) {
   header.file_bytes = file_bytes;
   header.directory_bytes = directory.size();
   header.directory_checksum = checksum_of(directory);

@@ -51,8 +51,9 @@ static_assert(offsetof(FileHeader, header_checksum) == 56);
 [[nodiscard]] tl::unexpected<Error> wrong_checksum(const char* part, std::uint64_t found,
                                                    std::uint64_t stated);
 
-/// The complete header of a file, with checksums.
-[[nodiscard]] FileHeader make_header(std::span<const std::byte> directory, std::uint64_t file_bytes);
+/// The complete header of a file, with checksums. Version and features are those of `header`.
+[[nodiscard]] FileHeader make_header(std::span<const std::byte> directory, std::uint64_t file_bytes,
+                                     FileHeader header = {});
 /// Checks the header of a file of `file_bytes` bytes. `start` has its first 64 bytes, or all of a shorter
 /// file. kInvalidAtlas if it is not an atlas, damaged, truncated, too long, or of a newer version.
 [[nodiscard]] Result<FileHeader> check_header(std::span<const std::byte> start, std::uint64_t file_bytes);

@@ -11,14 +11,10 @@
 
 namespace splatlas {
 CLI::Option* add_view(CLI::App& command, Camera& camera, const std::string& help) {
-  return add_choice(command, "--view", camera,
-                    {{"anterior", Camera::of(NamedView::kAnterior)},
-                     {"posterior", Camera::of(NamedView::kPosterior)},
-                     {"left", Camera::of(NamedView::kLeft)},
-                     {"right", Camera::of(NamedView::kRight)},
-                     {"superior", Camera::of(NamedView::kSuperior)},
-                     {"inferior", Camera::of(NamedView::kInferior)}},
-                    help);
+  Choices<Camera> views;
+  for (std::size_t n = 0; n < kViewAngles.size(); ++n)
+    views.emplace_back(kViewAngles[n].name, Camera::of(static_cast<NamedView>(n)));
+  return add_choice(command, "--view", camera, views, help);
 }
 
 void add_framing(CLI::App& command, bool& fits_selection, FrameCenter& center) {

@@ -113,7 +113,7 @@ void add_cuts(CLI::App& command, RenderOptions& options, bool& names_caps) {
 }
 
 /// Adds camera options. CLI11 assigns values in this order, so single settings override --view.
-void add_camera(CLI::App& command, Camera& camera) {
+void add_camera(CLI::App& command, Camera& camera, bool& names_projection) {
   add_view(command, camera);
   constexpr const char* kFiniteAngle = "must be a finite angle in degrees";
   add_parsed(command, "--azimuth", camera.azimuth_deg, parse_angle, kFiniteAngle,
@@ -124,7 +124,8 @@ void add_camera(CLI::App& command, Camera& camera) {
              "multiplies the zoom of --fit, around its centre or --center")
       ->default_str(fmt::to_string(camera.zoom));
   add_choice(command, "--projection", camera.projection,
-             {{"parallel", CameraProjection::kParallel}, {"perspective", CameraProjection::kPerspective}});
+             {{"parallel", CameraProjection::kParallel}, {"perspective", CameraProjection::kPerspective}})
+      ->each([&names_projection](const std::string&) { names_projection = true; });
   const CLI::Option* field_of_view =
       add_parsed(command, "--field-of-view", camera.field_of_view_deg, parse_number<double>,
                  "must be a number of degrees",
@@ -243,16 +244,16 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
   CLI::Option* select =
       command->add_option("--select", request.select, "selection text (see below)")->capture_default_str();
   CLI::Option* scene =
-      add_parsed(
-          *command, "--scene", request.scene, non_empty<std::string>, "must name a scene",
-          "a named view of the atlas: its selection, camera, cuts and caption; other options are as given")
+      add_parsed(*command, "--scene", request.scene, non_empty<std::string>, "must name a scene",
+                 "a named view of the atlas: its selection, camera, cuts, labels and caption; other options "
+                 "are as given")
           ->excludes(select);
   add_parsed(
       *command, "--size", request.page.render.size, parse_size,
       fmt::format("must be WIDTHxHEIGHT in pixels, each from 1 to {}, as in 1024x768", kMaxPictureSide),
       "WIDTHxHEIGHT in pixels")
       ->default_str(fmt::format("{}x{}", request.page.render.size.width, request.page.render.size.height));
-  add_camera(*command, request.camera);
+  add_camera(*command, request.camera, request.names_projection);
   for (const char* option : {"--view", "--azimuth", "--elevation"})
     scene->excludes(command->get_option(option));
   add_framing(*command, request.page.fits_selection, request.center);
@@ -293,11 +294,12 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
 
 namespace {
 
-/// Selection, caption, camera and cuts of a picture.
+/// Selection, caption, camera, cuts and labels of a picture.
 struct Shown {
   std::string select, caption;
   Camera camera;  ///< its zoom is relative to the fit
   CutPlanes cuts;
+  std::vector<bool> labelled = {};
 };
 
 /// Takes them from the scene. Options that are given replace its values.
@@ -309,9 +311,12 @@ Result<Shown> shown_by(const RenderRequest& request, const Atlas& atlas) {
     shown.select = scene.selection;
     shown.caption = scene.caption;
     shown.cuts = framing.cuts;
+    shown.labelled = framing.labelled;
     shown.camera.azimuth_deg = scene.azimuth_deg;
     shown.camera.elevation_deg = scene.elevation_deg;
     shown.camera.zoom *= scene.zoom;
+    if (!request.names_projection && scene.perspective)
+      shown.camera.projection = CameraProjection::kPerspective;
     shown.camera.center_lps_mm = framing.center_lps_mm;
   }
   if (!request.page.render.cuts.empty()) shown.cuts = request.page.render.cuts;
@@ -344,6 +349,7 @@ Result<RenderReport> run_render(const RenderRequest& request, const RenderContro
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   SPLATLAS_ASSIGN_OR_RETURN(const Shown shown, shown_by(request, *atlas));
   pages.set_cuts(shown.cuts);
+  pages.set_labelled(shown.labelled);
   if (!options.caption && !shown.caption.empty()) pages.set_caption(shown.caption);
   const auto named = [&](const Error& error) { return in_selection(error, *atlas, request.scene); };
   SPLATLAS_ASSIGN_OR_RETURN(const auto terms, parse_selection(shown.select).map_error(named));

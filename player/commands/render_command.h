@@ -26,10 +26,11 @@ struct RenderRequest {
   std::array<std::optional<Rgb>, 2> background{Rgb{0, 0, 0}};  ///< top, bottom; none: transparent, as the top
   RendererOptions renderer;
   AtlasOptions atlas_options;
-  std::filesystem::path stats;  ///< JSON file; empty: none
-  std::filesystem::path ids;    ///< id image; empty: none
-  std::filesystem::path depth;  ///< depth map; empty: none
-  bool names_caps = false;      ///< --cap is given
+  std::filesystem::path stats;    ///< JSON file; empty: none
+  std::filesystem::path ids;      ///< id image; empty: none
+  std::filesystem::path depth;    ///< depth map; empty: none
+  bool names_caps = false;        ///< --cap is given
+  bool names_projection = false;  ///< --projection is given
 };
 
 /// Adds the command. Parsing fills `request`, which must outlive `app`. Invalid values throw

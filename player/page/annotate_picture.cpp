@@ -48,7 +48,8 @@ std::vector<const NamedStructure*> PageLayout::labelled_structures() const {
   std::ranges::stable_sort(chosen, std::greater(),
                            [](const NamedStructure* one) { return one->visible.pixels; });
   const double em = kLabelPoints * pt;
-  std::erase_if(chosen, [&](const NamedStructure* one) { return one->visible.pixels < em * em; });
+  std::erase_if(chosen,
+                [&](const NamedStructure* one) { return !one->labelled || one->visible.pixels < em * em; });
   return chosen;
 }
 
@@ -109,7 +110,8 @@ void PageLayout::place_structure_labels() {
     layer.dots.push_back({label.anchor, kDotPoints * pt, kDotCasingPoints * pt, inks.ink, inks.paper});
   }
   layer.labels = placed.size();
-  layer.unlabelled = scene.structures.size() - placed.size();
+  const auto wanted = std::ranges::count(scene.structures, true, &NamedStructure::labelled);
+  layer.unlabelled = static_cast<std::size_t>(wanted) - placed.size();
 }
 
 void PageLayout::reserve_room() {

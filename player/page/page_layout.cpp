@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -102,8 +103,13 @@ void PageLayout::cover(const PageBox& box, std::string_view item) {
 }
 
 void PageLayout::place_paragraph(std::string_view words, double points, FontStyle style, Rgb Inks::*ink) {
-  const std::vector<std::string> lines =
-      wrap_text(words, page.width(), [&](std::string_view part) { return width_of(part, points, style); });
+  const auto width = [&](std::string_view part) { return width_of(part, points, style); };
+  std::vector<std::string> lines;
+  for (std::size_t at = 0; at <= words.size(); ++at) {
+    const std::size_t end = std::min(words.find('\n', at), words.size());
+    std::ranges::move(wrap_text(words.substr(at, end - at), page.width(), width), std::back_inserter(lines));
+    at = end;
+  }
   const double leading = kLineSpacing * points * pt;
   for (std::size_t n = lines.size(); n-- > 0; figure.bottom -= leading) {
     layer.texts.push_back(text(lines[n], page.left, figure.bottom - kDescent * points * pt, points, style));

@@ -22,6 +22,7 @@ struct NamedStructure {
   std::string name;
   Rgb color;
   VisibleStructure visible;
+  bool labelled = true;  ///< may get a label
 };
 
 /// A picture to annotate.

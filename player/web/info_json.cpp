@@ -42,13 +42,8 @@ Json display_json(const Display& display) {
 
 Json views_json() {
   Json json;
-  constexpr std::array<const char*, 6> kNames{"anterior", "posterior", "left",
-                                              "right",    "superior",  "inferior"};
-  for (std::size_t n = 0; n < kNames.size(); ++n) {
-    const Camera camera = Camera::of(static_cast<NamedView>(n));
-    json.push_back(
-        {{"name", kNames[n]}, {"azimuth", camera.azimuth_deg}, {"elevation", camera.elevation_deg}});
-  }
+  for (const ViewAngles& view : kViewAngles)
+    json.push_back({{"name", view.name}, {"azimuth", view.azimuth_deg}, {"elevation", view.elevation_deg}});
   return json;
 }
 
@@ -62,9 +57,11 @@ std::vector<SubtreeCounts> counts_of(const Atlas& atlas) {
 
 /// Cuts and centre of a scene with bad texts are left out.
 Json scene_json(const Scene& scene, const Atlas& atlas) {
-  Json json{{"name", scene.name},        {"question", scene.question},   {"caption", scene.caption},
-            {"select", scene.selection}, {"azimuth", scene.azimuth_deg}, {"elevation", scene.elevation_deg},
-            {"zoom", scene.zoom},        {"cuts", Json::array()}};
+  Json json{{"name", scene.name},           {"question", scene.question},
+            {"caption", scene.caption},     {"select", scene.selection},
+            {"azimuth", scene.azimuth_deg}, {"elevation", scene.elevation_deg},
+            {"zoom", scene.zoom},           {"projection", scene.perspective ? "perspective" : "parallel"},
+            {"labels", scene.labels},       {"cuts", Json::array()}};
   const auto framing = framing_of(scene, atlas);
   if (!framing) return json;
   for (const CutPlane& cut : framing->cuts)

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <set>
 
 #include <fmt/format.h>
 
@@ -11,7 +10,6 @@
 #include "format/io/output_file.h"
 #include "format/io/output_path.h"
 #include "format/result_macros.h"
-#include "format/text/ascii_text.h"
 #include "preprocess/atlas/measure_display.h"
 #include "preprocess/classify/classify_voxels.h"
 #include "preprocess/import/tables/read_scenes.h"
@@ -71,22 +69,6 @@ void note_surfaces(SurfaceRule rule, const Grid& grid, const ExtractedSurfaces& 
   }
 }
 
-/// The scenes of all files.
-Result<std::vector<SceneFile>> read_all_scenes(const std::vector<fs::path>& paths) {
-  std::vector<SceneFile> files;
-  std::set<std::string> names;
-  for (const fs::path& path : paths) {
-    SPLATLAS_ASSIGN_OR_RETURN(SceneFile file, read_scenes(path));
-    for (const Scene& scene : file.scenes) {
-      if (names.insert(to_lower(scene.name)).second) continue;
-      return fail(ErrorCode::kFailed, "{}: scene {}: another file has one of this name; rename one",
-                  path.string(), in_quotes(scene.name));
-    }
-    files.push_back(std::move(file));
-  }
-  return files;
-}
-
 /// Builds the structure graph, runs segmentations, classifies the voxels and extracts surfaces. Fills only
 /// the hashes of the provenance. Messages about the labels call them `labels`. The content does not depend on
 /// `threads` (0: one per core).
@@ -101,10 +83,7 @@ Result<AtlasContent> build_content(SourceModel model, const std::string& labels,
   SPLATLAS_ASSIGN_OR_RETURN(
       PlacedStructures placed,
       build_graph(model.structures, model.tree, model.tree_file.empty() ? labels : model.tree_file, notes));
-  for (const SceneFile& file : scenes) {
-    SPLATLAS_RETURN_IF_ERROR(check_names(file, placed.graph));
-    content.scenes.insert(content.scenes.end(), file.scenes.begin(), file.scenes.end());
-  }
+  SPLATLAS_ASSIGN_OR_RETURN(content.scenes, scenes_of(scenes, placed.graph));
 
   if (!model.segments.empty()) clock.begin("segment", 0.2);
   SPLATLAS_RETURN_IF_ERROR(segment_structures(
@@ -163,7 +142,7 @@ Result<BuildReport> build_atlas(const BuildOptions& options, Notes& notes,
                                 const std::function<Result<void>(std::vector<OutputFile>&)>& add_files) {
   SPLATLAS_RETURN_IF_ERROR(check_outputs(std::array{options.output}, list_files(options.sources)));
   SPLATLAS_RETURN_IF_ERROR(check_writable_file(options.output));
-  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<SceneFile> scenes, read_all_scenes(options.sources.scenes));
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<SceneFile> scenes, read_scenes(options.sources.scenes));
   StageClock clock(options.progress);
   const auto update = [&](double fraction) { clock.update(fraction); };
 

@@ -67,10 +67,16 @@ Scenes: named views, in the order of the lesson; `splatlas-player` plays them, a
   [[scene]]
   name = "Basal ganglia"
   select = "Brain:surface(opacity=0.2) + Putamen*:surface"    # as of splatlas-player render --select
-  caption = "Putamen, lateral of the globus pallidus"         # may be left out, as all below
+  question = "Which nucleus is red?"                          # may be left out, as all below
+  caption = "Putamen, lateral of the globus pallidus"         # lines between """ and """ stay lines
   azimuth = 90        # degrees: 0 looks at the anterior side, 90 at the left
   elevation = 10
+  view = "superior"   # in place of the two: anterior, posterior, left, right, superior or inferior
   zoom = 1.2          # relative to the fit of the selection
+  projection = "perspective"
+  center = "Thalamus_L"
+  cuts = ["anterior=20"]
+  labels = ["Putamen*"]   # what --annotate labels names; without it, the largest structures
 
 Exit status: 0 done; 1 could not be done; 2 wrong usage. A failed or interrupted build leaves nothing behind.)";
 

@@ -1,7 +1,8 @@
-// Commands of splatlas-preprocess: build and export.
+// Commands of splatlas-preprocess: build, export and lesson.
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "preprocess/atlas/build_atlas.h"
 #include "preprocess/commands/progress_display.h"
@@ -20,14 +21,23 @@ struct BuildRequest {
   std::filesystem::path report, json;  ///< files for all notes; empty for none
 };
 
+/// Arguments of the lesson command.
+struct LessonRequest {
+  std::filesystem::path atlas, output;
+  std::vector<std::filesystem::path> scenes;
+};
+
 /// Adds a command. Parsing fills its second argument, which must outlive `app`. Invalid values throw
 /// CLI::ValidationError with option, value and remedy.
 CLI::App* add_build(CLI::App& app, BuildRequest& request);
 CLI::App* add_export(CLI::App& app, ExportOptions& options);
+CLI::App* add_lesson(CLI::App& app, LessonRequest& request);
 
 /// Builds an atlas. Prints progress and notes to standard error, and a summary to standard output.
 [[nodiscard]] Result<void> run_build(const BuildRequest& request);
 /// Exports and prints a line per file to standard output.
 [[nodiscard]] Result<void> run_export(const ExportOptions& options);
+/// Copies an atlas with other scenes, chunks as they are stored, and prints a line to standard output.
+[[nodiscard]] Result<void> run_lesson(const LessonRequest& request);
 
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-// Program splatlas-preprocess: builds atlases, and exports their parts.
+// Program splatlas-preprocess: builds atlases, exports their parts, and gives them other scenes.
 
 #include <sstream>
 #include <string>
@@ -24,6 +24,7 @@ constexpr const char* kDescription =
     "\n"
     "  splatlas-preprocess build -o brain.atlas --labels aal.nii.gz --names aal.nii.txt --volume ch2.nii.gz\n"
     "  splatlas-preprocess export brain.atlas --labels labels.nii.gz\n"
+    "  splatlas-preprocess lesson brain.atlas --scene lesson.toml -o lesson.atlas\n"
     "\n"
     "COMMAND --help describes a command.";
 
@@ -35,9 +36,10 @@ tl::unexpected<Error> wrong_usage(const CLI::App& app, const std::string& first,
   }
   if (first.empty()) {
     return fail(ErrorCode::kUsage,
-                "no command is given; there are build and export; see splatlas-preprocess --help");
+                "no command is given; there are build, export and lesson; see splatlas-preprocess --help");
   }
-  return fail(ErrorCode::kUsage, "{}: no such {}; there are build and export; see splatlas-preprocess --help",
+  return fail(ErrorCode::kUsage,
+              "{}: no such {}; there are build, export and lesson; see splatlas-preprocess --help",
               in_quotes(first), first.starts_with('-') ? "option" : "command");
 }
 
@@ -49,7 +51,9 @@ Result<void> run(int argc, char** argv) {
   BuildRequest request;
   request.options.tool = kTool;
   ExportOptions export_options;
+  LessonRequest lesson_request;
   const CLI::App* build = add_build(app, request);
+  const CLI::App* lesson = add_lesson(app, lesson_request);
   add_export(app, export_options);
   try {
     app.parse(argc, argv);
@@ -63,9 +67,14 @@ Result<void> run(int argc, char** argv) {
     return wrong_usage(app, argc > 1 ? argv[1] : "", fault_of_usage(app, error));
   }
   install_interrupt_handlers();
-  SPLATLAS_RETURN_IF_ERROR(
-      run_on_file(build->parsed() ? request.options.output : export_options.atlas, kOutOfMemoryRemedy,
-                  [&] { return build->parsed() ? run_build(request) : run_export(export_options); }));
+  const auto run_command = [&](const std::filesystem::path& file, const auto& command,
+                               const auto& arguments) {
+    return run_on_file(file, kOutOfMemoryRemedy, [&] { return command(arguments); });
+  };
+  SPLATLAS_RETURN_IF_ERROR(build->parsed() ? run_command(request.options.output, run_build, request)
+                           : lesson->parsed()
+                               ? run_command(lesson_request.atlas, run_lesson, lesson_request)
+                               : run_command(export_options.atlas, run_export, export_options));
   return finish_standard_output();
 }
 

@@ -162,6 +162,8 @@ class RandomContent {
     for (std::size_t n = below(3); n > 0; --n) {
       content_.scenes.push_back({text("scene"), text("caption"), text("selection"), real(-360, 360),
                                  real(-90, 90), real(0.01, 100)});
+      if (below(2) == 0) content_.scenes.back().labels = {"one", "two three"};
+      content_.scenes.back().perspective = below(2) == 0;
     }
     content_.provenance = {text("title"), text("citation"), text("licence"), text("tool"), {}};
     for (std::size_t n = below(3); n > 0; --n)

@@ -125,10 +125,11 @@ void mutate_surface(Directory& d, Random& random) {
 void mutate_scenes(Directory& d, Random& random) {
   if (d.scenes.empty() || below(4, random) == 0) d.scenes.push_back({"scene", "", "*", 0, 0, 1});
   Scene& scene = any_of(d.scenes, random);
-  switch (below(6, random)) {
+  switch (below(7, random)) {
     case 0: mutate_text(scene.selection, random); break;
     case 3: mutate_text(scene.cuts, random); break;
     case 4: mutate_text(scene.center, random); break;
+    case 5: mutate_text(scene.labels.emplace_back("*"), random); break;
     case 1: mutate_text(scene.caption, random); break;
     case 2: mutate_number(scene.zoom, random); break;
     default: mutate_number(scene.azimuth_deg, random); break;

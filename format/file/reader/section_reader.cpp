@@ -97,13 +97,19 @@ Result<SectionReader::Bytes> SectionReader::read_stream(const SectionLayout& sec
   return bytes;
 }
 
+Result<SectionReader::Bytes> SectionReader::read_chunk_of(const SectionLayout& section,
+                                                          std::uint32_t n) const {
+  const std::size_t chunk = section.first_chunk + n;
+  SPLATLAS_ASSIGN_OR_RETURN(Bytes stored, read_stored(chunk));
+  if (auto sound = check_chunk(stored, directory_.chunks[chunk]); !sound) {
+    return fail(sound.error().code, "damaged: {} of {}", sound.error().message, describe(section, n));
+  }
+  return stored;
+}
+
 Result<void> SectionReader::check_chunk_of(const SectionLayout& section, std::uint32_t n) const {
   if (section.chunk_begin.empty()) {
-    const std::size_t chunk = section.first_chunk + n;
-    SPLATLAS_ASSIGN_OR_RETURN(const Bytes stored, read_stored(chunk));
-    if (auto sound = check_chunk(stored, directory_.chunks[chunk]); !sound) {
-      return fail(sound.error().code, "damaged: {} of {}", sound.error().message, describe(section, n));
-    }
+    SPLATLAS_RETURN_IF_ERROR(read_chunk_of(section, n));
     return {};
   }
   check_memory(static_cast<double>(section.chunk_begin[n + 1] - section.chunk_begin[n]));

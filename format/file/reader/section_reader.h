@@ -30,6 +30,9 @@ class SectionReader {
                                                            std::size_t stream) const;
   /// Reads the n-th chunk of a section and verifies its checksum. Decodes chunks of known sections.
   [[nodiscard]] Result<void> check_chunk_of(const SectionLayout& section, std::uint32_t n) const;
+  /// The stored bytes of the n-th chunk of a section, with a right checksum.
+  [[nodiscard]] Result<std::vector<std::byte>> read_chunk_of(const SectionLayout& section,
+                                                             std::uint32_t n) const;
 
   /// Stored bytes of the chunks read so far, each counted once, and decoded bytes, counted every time.
   [[nodiscard]] std::uint64_t read_bytes() const { return read_bytes_; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -11,6 +12,7 @@
 
 #include "format/content/cut_planes.h"
 #include "format/content/frame_center.h"
+#include "format/content/named_view.h"
 #include "format/content/selection.h"
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
@@ -21,8 +23,9 @@ namespace {
 
 constexpr double kMaxZoom = 1000;
 constexpr std::size_t kMaxSceneText = 4000;
+constexpr const ViewAngles& kSuperior = kViewAngles[static_cast<std::size_t>(NamedView::kSuperior)];
 constexpr std::string_view kKeys =
-    "name, select, question, caption, azimuth, elevation, zoom, center and cuts";
+    "name, select, question, caption, view, azimuth, elevation, zoom, projection, center, cuts and labels";
 
 /// The reader of one table [[scene]]. Keeps the first error.
 class SceneReader {
@@ -40,7 +43,9 @@ class SceneReader {
       } else if (name == "question") {
         scene.question = text(value, name);
       } else if (name == "caption") {
-        scene.caption = text(value, name);
+        scene.caption = text(value, name, /*has_lines=*/true);
+      } else if (name == "view") {
+        set_view(value, scene);
       } else if (name == "azimuth") {
         scene.azimuth_deg = number(value, name, -360, 360);
       } else if (name == "elevation") {
@@ -51,10 +56,15 @@ class SceneReader {
         scene.center = center(value);
       } else if (name == "cuts") {
         scene.cuts = cuts(value);
+      } else if (name == "projection") {
+        scene.perspective = is_perspective(value);
+      } else if (name == "labels") {
+        scene.labels = texts(value, "labels", "[\"Putamen_L\", \"Caudate_*\"]");
       } else {
         refuse(value, fmt::format("unknown key {}; a scene has {}", in_quotes(name), kKeys));
       }
     }
+    if (scene.elevation_deg == 90 && !table_.contains("azimuth")) scene.azimuth_deg = kSuperior.azimuth_deg;
     if (scene.name.empty()) refuse(table_, "the scene has no name; add name = \"...\"");
     if (trimmed(scene.name) != scene.name)
       refuse(table_, fmt::format("name {} begins or ends with a blank; remove it", in_quotes(scene.name)));
@@ -70,14 +80,17 @@ class SceneReader {
     error_ = Error{
         ErrorCode::kFailed, fmt::format("{}: line {}: {}", path_.string(), at.source().begin.line, what), {}};
   }
-  [[nodiscard]] std::string text(const toml::node& value, std::string_view key) {
+  [[nodiscard]] std::string text(const toml::node& value, std::string_view key, bool has_lines = false) {
     const auto found = value.value<std::string>();
     if (!found) refuse(value, fmt::format("{} must be a text in quotes", key));
     std::string text = found.value_or("");
-    if (printable(text) != text)
-      refuse(value, fmt::format("{} must be one line of visible UTF-8 characters; remove line breaks, and "
-                                "characters for control or direction",
-                                key));
+    if (has_lines) text = std::string(trimmed(text));
+    std::string line = text;
+    if (has_lines) std::ranges::replace(line, '\n', ' ');
+    if (printable(line) != line)
+      refuse(value, fmt::format("{} must be {} of visible UTF-8 characters; remove {}characters for control "
+                                "or direction",
+                                key, has_lines ? "lines" : "one line", has_lines ? "" : "line breaks, and "));
     if (text.size() > kMaxSceneText)
       refuse(value, fmt::format("{} has {} bytes; {} are allowed", key, text.size(), kMaxSceneText));
     return text;
@@ -91,13 +104,38 @@ class SceneReader {
     }
     return center;
   }
-  [[nodiscard]] std::string cuts(const toml::node& value) {
+  /// The angles of a named view.
+  void set_view(const toml::node& value, Scene& scene) {
+    const std::string name = text(value, "view");
+    const auto* const view = std::ranges::find(kViewAngles, name, &ViewAngles::name);
+    if (view == kViewAngles.end()) {
+      refuse(value, fmt::format("view {} must be anterior, posterior, left, right, superior or inferior",
+                                in_quotes(name)));
+    } else if (table_.contains("azimuth") || table_.contains("elevation")) {
+      refuse(value, "a scene with a view has no azimuth and no elevation; remove them, or the view");
+    } else {
+      scene.azimuth_deg = view->azimuth_deg;
+      scene.elevation_deg = view->elevation_deg;
+    }
+  }
+  [[nodiscard]] bool is_perspective(const toml::node& value) {
+    const std::string name = text(value, "projection");
+    if (name != "parallel" && name != "perspective")
+      refuse(value, fmt::format("projection {} must be parallel or perspective", in_quotes(name)));
+    return name == "perspective";
+  }
+  [[nodiscard]] std::vector<std::string> texts(const toml::node& value, const char* key,
+                                               const char* example) {
     std::vector<std::string> words;
     if (const toml::array* const list = value.as_array()) {
-      for (const toml::node& cut : *list) words.push_back(text(cut, "each of the cuts"));
+      for (const toml::node& one : *list) words.push_back(text(one, fmt::format("each of the {}", key)));
     } else {
-      refuse(value, "cuts must be a list of texts, as in cuts = [\"left=10\", \"superior=40\"]");
+      refuse(value, fmt::format("{0} must be a list of texts, as in {0} = {1}", key, example));
     }
+    return words;
+  }
+  [[nodiscard]] std::string cuts(const toml::node& value) {
+    const std::vector<std::string> words = texts(value, "cuts", "[\"left=10\", \"superior=40\"]");
     CutPlanes planes;
     for (const std::string& word : words) {
       const auto plane = parse_cut(word);
@@ -154,21 +192,41 @@ Result<SceneFile> read_scenes(const std::filesystem::path& path) {
   return file;
 }
 
-Result<void> check_names(const SceneFile& file, const StructureGraph& graph) {
+Result<std::vector<SceneFile>> read_scenes(const std::vector<std::filesystem::path>& paths) {
+  std::vector<SceneFile> files;
+  std::set<std::string> names;
+  for (const std::filesystem::path& path : paths) {
+    SPLATLAS_ASSIGN_OR_RETURN(SceneFile file, read_scenes(path));
+    for (const Scene& scene : file.scenes) {
+      if (names.insert(to_lower(scene.name)).second) continue;
+      return fail(ErrorCode::kFailed, "{}: scene {}: another file has one of this name; rename one",
+                  path.string(), in_quotes(scene.name));
+    }
+    files.push_back(std::move(file));
+  }
+  return files;
+}
+
+Result<std::vector<Scene>> scenes_of(const std::vector<SceneFile>& files, const StructureGraph& graph) {
   const auto check = [&](const Scene& scene) -> Result<void> {
     SPLATLAS_RETURN_IF_ERROR(Selection::parse(scene.selection, graph));
     const auto center = parse_center(scene.center);
     if (center && std::holds_alternative<std::string>(*center))
       SPLATLAS_RETURN_IF_ERROR(graph.find_named(scene.center));
+    for (const std::string& label : scene.labels) SPLATLAS_RETURN_IF_ERROR(graph.find_named(label));
     return {};
   };
-  for (const Scene& scene : file.scenes) {
-    const Result<void> checked = check(scene);
-    if (checked) continue;
-    return fail(ErrorCode::kFailed, "{}: scene {}: {}", file.path.string(), in_quotes(scene.name),
-                checked.error().message);
+  std::vector<Scene> scenes;
+  for (const SceneFile& file : files) {
+    for (const Scene& scene : file.scenes) {
+      if (const Result<void> checked = check(scene); !checked) {
+        return fail(ErrorCode::kFailed, "{}: scene {}: {}", file.path.string(), in_quotes(scene.name),
+                    checked.error().message);
+      }
+      scenes.push_back(scene);
+    }
   }
-  return {};
+  return scenes;
 }
 
 }  // namespace splatlas

@@ -240,7 +240,16 @@ void add_scene_text(RawDirectory& d) {
   for (const char c : std::string("whyleft=1")) d.scene_text.push_back(static_cast<std::uint8_t>(c));
 }
 
+/// The scene has a projection, "perspective", and the labels "a" and "b".
+void add_scene_views(RawDirectory& d) {
+  d.scene_view_ends = {11, 14};
+  for (const char c : std::string("perspectivea\nb"))
+    d.scene_view_text.push_back(static_cast<std::uint8_t>(c));
+}
+
 constexpr BadDirectory kSceneOffsets[] = {
+    {"a view without ends", [](auto& d) { add_scene_views(d), d.scene_view_ends.clear(); }},
+    {"three ends of a view", [](auto& d) { add_scene_views(d), d.scene_view_ends.push_back(14); }},
     {"one end too few", [](auto& d) { add_scene_text(d), d.scene_text_ends.pop_back(); }},
     {"falling ends",
      [](auto& d) {
@@ -251,6 +260,8 @@ constexpr BadDirectory kSceneOffsets[] = {
 };
 
 constexpr BadDirectory kSceneTexts[] = {
+    {"a control character in a label", [](auto& d) { add_scene_views(d), d.scene_view_text[13] = 7; },
+     "has a control character (byte 0: U+0007)"},
     {"a control character", [](auto& d) { add_scene_text(d), d.scene_text[2] = 7; },
      "has a control character (byte 2: U+0007)"},
     {"bytes that are no UTF-8", [](auto& d) { add_scene_text(d), d.scene_text[3] = 0xff; },
@@ -260,11 +271,14 @@ constexpr BadDirectory kSceneTexts[] = {
 TEST(BadFiles, WithBadTextsOfScenes) {
   RawAtlas atlas = raw_atlas(good_file());
   add_scene_text(atlas.directory);
+  add_scene_views(atlas.directory);
   const auto good = Atlas::open_bytes(file_of(atlas));
   ASSERT_TRUE(good) << good.error().message;
   const Scene& scene = (*good)->scenes().front();
   EXPECT_EQ((std::array{scene.name, scene.question, scene.cuts, scene.center}),
             (std::array<std::string, 4>{"First", "why", "left=1", ""}));
+  EXPECT_TRUE(scene.perspective);
+  EXPECT_EQ(scene.labels, (std::vector<std::string>{"a", "b"}));
   expect_faults(kSceneOffsets, "F: invalid: inconsistent offsets of directory text of scenes", in_directory);
   expect_faults(kSceneTexts, "F: invalid: text of scene 0 {}", in_directory);
 }

@@ -69,6 +69,8 @@ RawDirectory read_directory(const Bytes& bytes) {
           .scene_text_ends = numbers_or_none(d.scene_text_ends()),
           .scene_text = numbers_or_none(d.scene_text()),
           .mean_blocks = numbers_or_none(d.mean_blocks()),
+          .scene_view_ends = numbers_or_none(d.scene_view_ends()),
+          .scene_view_text = numbers_or_none(d.scene_view_text()),
           .left_out = {}};
 }
 
@@ -92,6 +94,8 @@ Bytes encode(const RawDirectory& d) {
   const auto scene_text_ends = b.CreateVector(d.scene_text_ends);
   const auto scene_text = b.CreateVector(d.scene_text);
   const auto mean_blocks = b.CreateVector(d.mean_blocks);
+  const auto scene_view_ends = b.CreateVector(d.scene_view_ends);
+  const auto scene_view_text = b.CreateVector(d.scene_view_text);
   schema::DirectoryBuilder table(b);
   const auto add = [&](const char* field, const auto& add_field) {
     if (!d.left_out.contains(field)) add_field();
@@ -122,6 +126,8 @@ Bytes encode(const RawDirectory& d) {
   if (!d.scene_text_ends.empty()) table.add_scene_text_ends(scene_text_ends);
   if (!d.scene_text.empty()) table.add_scene_text(scene_text);
   if (!d.mean_blocks.empty()) table.add_mean_blocks(mean_blocks);
+  if (!d.scene_view_ends.empty()) table.add_scene_view_ends(scene_view_ends);
+  if (!d.scene_view_text.empty()) table.add_scene_view_text(scene_view_text);
   // Not Finish(), which asserts that all fields are present.
   b.Finish(flatbuffers::Offset<schema::Directory>(b.EndTable(table.start_)), schema::DirectoryIdentifier());
   const auto* begin = reinterpret_cast<const std::byte*>(b.GetBufferPointer());

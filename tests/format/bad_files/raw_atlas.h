@@ -79,8 +79,10 @@ struct RawDirectory {
   std::vector<std::uint8_t> term_text;
   std::vector<std::uint32_t> scene_text_ends;  ///< left out if empty
   std::vector<std::uint8_t> scene_text;
-  std::vector<std::uint32_t> mean_blocks;  ///< left out if empty
-  std::set<std::string> left_out;          ///< omitted fields of the FlatBuffer
+  std::vector<std::uint32_t> mean_blocks;      ///< left out if empty
+  std::vector<std::uint32_t> scene_view_ends;  ///< left out if empty
+  std::vector<std::uint8_t> scene_view_text;
+  std::set<std::string> left_out;  ///< omitted fields of the FlatBuffer
 };
 
 struct RawAtlas {

@@ -35,6 +35,8 @@ void tell_texts(const AtlasContent& content, Out out) {
     const bool has_more = !(scene.question + scene.cuts + scene.center).empty();
     if (has_more)
       fmt::format_to(out, "  {:?} cuts {:?} center {:?}\n", scene.question, scene.cuts, scene.center);
+    if (scene.perspective || !scene.labels.empty())
+      fmt::format_to(out, "  perspective {} labels {}\n", scene.perspective, fmt::join(scene.labels, " "));
   }
 }
 

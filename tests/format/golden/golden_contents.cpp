@@ -26,6 +26,14 @@ AtlasContent nothing() {
   return content;
 }
 
+/// Scenes with all keys.
+AtlasContent scenes() {
+  AtlasContent content = nothing();
+  content.scenes = {{"All", "A\ncaption.", "*", 30, 20, 1.5, "Why?", "left=1", "1,2,3", true, {"core", "#2"}},
+                    {"Least", "", "*"}};
+  return content;
+}
+
 /// A mirrored, rotated and sheared grid, stored in another axis order.
 AtlasContent turned() {
   AtlasContent content = nothing();
@@ -47,6 +55,7 @@ std::vector<GoldenContent> golden_contents() {
                                       {"means", good_content(), false, 1},
                                       {"surfaces", fitted_by_all_rules(good_content())},
                                       {"nothing", nothing()},
+                                      {"scenes", scenes()},
                                       {"turned", turned()}};
   for (int type = 0; type <= static_cast<int>(VoxelType::kFloat64); ++type) {
     const auto voxel_type = static_cast<VoxelType>(type);

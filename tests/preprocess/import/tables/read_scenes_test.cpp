@@ -38,11 +38,30 @@ zoom = 2
 question = "Which sphere is this?"
 center = "1,-2.5,3"
 cuts = ["left=10", "0,0,1,2.5"]
+
+[[scene]]
+name = "From above"
+select = "*"
+view = "superior"
+projection = "perspective"
+labels = ["Sphere 1", "Sph*"]
+caption = """
+First line.
+Second line.
+"""
+
+[[scene]]
+name = "Elevation alone"
+select = "*"
+elevation = 90
 )");
   ASSERT_TRUE(file) << file.error().message;
-  const std::vector<Scene> expected{{"Whole", "", "*", 0, 0, 1},
-                                    {"Größe", "What is this?", "\"Sphere 1\":surface(opacity=0.5) + Sphere*",
-                                     90, -12.5, 2, "Which sphere is this?", "left=10 0,0,1,2.5", "1,-2.5,3"}};
+  const std::vector<Scene> expected{
+      {"Whole", "", "*", 0, 0, 1},
+      {"Größe", "What is this?", "\"Sphere 1\":surface(opacity=0.5) + Sphere*", 90, -12.5, 2,
+       "Which sphere is this?", "left=10 0,0,1,2.5", "1,-2.5,3"},
+      {"From above", "First line.\nSecond line.", "*", 180, 90, 1, "", "", "", true, {"Sphere 1", "Sph*"}},
+      {"Elevation alone", "", "*", 180, 90, 1}};
   EXPECT_EQ(file->scenes, expected);
 }
 
@@ -61,6 +80,13 @@ TEST_F(ReadScenes, TellsLineAndRemedyOfFaults) {
       {start + "azimuth = nan\n", "line 4: azimuth nan must be a number from -360 to 360"},
       {start + "azimuth = \"left\"\n", "line 4: azimuth \"left\" must be a number"},
       {start + "title = \"x\"\n", "line 4: unknown key \"title\"; a scene has name, select, question"},
+      {start + "view = \"above\"\n",
+       "line 4: view \"above\" must be anterior, posterior, left, right, superior or"},
+      {start + "view = \"left\"\nelevation = 0\n",
+       "line 4: a scene with a view has no azimuth and no elevation"},
+      {start + "projection = \"flat\"\n", "line 4: projection \"flat\" must be parallel or perspective"},
+      {start + "labels = \"A\"\n", "line 4: labels must be a list of texts, as in labels = "},
+      {start + "labels = [1]\n", "line 4: each of the labels must be a text in quotes"},
       {start + "cuts = \"left=1\"\n", "line 4: cuts must be a list of texts"},
       {start + "cuts = [\"above=1\"]\n", "line 4: cut \"above=1\" must be SIDE=MM"},
       {start + "cuts = [3]\n", "line 4: each of the cuts must be a text in quotes"},
@@ -69,8 +95,8 @@ TEST_F(ReadScenes, TellsLineAndRemedyOfFaults) {
            "cuts = [\"left=1\", \"left=1\", \"left=1\", \"left=1\", \"left=1\", \"left=1\", \"left=1\"]\n",
        "line 4: cut: more than 6 planes"},
       {start + "center = \"1,2\"\n", "line 4: center \"1,2\" must be \"X,Y,Z\""},
-      {start + "caption = \"a\\u202eb\"\n", "line 4: caption must be one line of visible UTF-8 characters"},
-      {start + "caption = \"\"\"a\nb\"\"\"\n", "line 4: caption must be one line"},
+      {start + "caption = \"a\\u202eb\"\n", "line 4: caption must be lines of visible UTF-8 characters"},
+      {start + "question = \"\"\"a\nb\"\"\"\n", "line 4: question must be one line"},
       {start + "caption = \"" + std::string(4001, 'a') + "\"\n",
        "line 4: caption has 4001 bytes; 4000 are allowed"},
       {"[[scene]]\nname = \"A \"\nselect = \"*\"\n", "line 1: name \"A \" begins or ends with a blank"},
