@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -13,33 +12,10 @@
 #include "player/files/text_drawer.h"
 #include "player/page/annotate_picture.h"
 #include "player/page/draw_outlines.h"
-#include "player/page/page_layout.h"
+#include "player/page/named_structures.h"
 
 namespace splatlas {
 namespace {
-
-constexpr int kMaxPicks = 40000;
-/// Longer texts would take the whole page, and seconds to lay out. Names of built atlases are never longer.
-constexpr std::size_t kMaxTextBytes = 4000, kMaxNameBytes = 800;
-
-/// A text as printed, cut off if it is too long. Keeps line feeds.
-std::string printed_lines(std::string_view text) {
-  std::string lines = printable_lines(shortened(text, kMaxTextBytes));
-  std::ranges::replace(lines, '\t', ' ');
-  return lines;
-}
-
-/// The same as one line.
-std::string one_line(std::string_view text, std::size_t max_bytes = kMaxTextBytes) {
-  return printable(shortened(text, max_bytes));
-}
-
-/// The name of a structure as printed: blanks for underscores.
-std::string printed_name(const Structure& structure) {
-  std::string name = structure.name.empty() ? structure.id : structure.name;
-  std::ranges::replace(name, '_', ' ');
-  return one_line(name, kMaxNameBytes);
-}
 
 /// Composites a picture over a vertical gradient.
 void paint_behind(Picture& picture, Rgb top, Rgb bottom) {
@@ -56,27 +32,6 @@ void paint_behind(Picture& picture, Rgb top, Rgb bottom) {
       pixel[3] = 1;
     }
   }
-}
-
-/// The structures in a picture of the renderer's selection, in the order of the tree.
-std::vector<NamedStructure> structures_of(const Frame& frame, const Renderer& renderer,
-                                          const std::vector<bool>& labelled) {
-  const auto pick = [&](double x, double y) {
-    const std::optional<Pick> found = frame.pick(x, y);
-    return found ? found->structure : kNoStructure;
-  };
-  std::map<StructureIndex, VisibleStructure> visible;
-  for (const VisibleStructure& one : visible_structures(sample_structures(frame.picture, pick, kMaxPicks)))
-    visible.emplace(one.structure, one);
-  const StructureGraph& graph = renderer.atlas().graph();
-  std::vector<NamedStructure> structures;
-  for (const StructureIndex s : graph.preorder()) {
-    const auto found = visible.find(s);
-    if (found == visible.end()) continue;
-    structures.push_back({printed_name(graph[s]), renderer.selection().structures[s].color, found->second,
-                          labelled.empty() || labelled[s]});
-  }
-  return structures;
 }
 
 }  // namespace
@@ -98,7 +53,7 @@ struct PageRenderer::Impl {
 
   [[nodiscard]] AnnotationOptions annotation_options(const Provenance& provenance) const {
     return {options.items, options.max_labels, printed_lines(options.caption.value_or(provenance.title)),
-            one_line(provenance.citation), options.dpi};
+            printed_line(provenance.citation), options.dpi};
   }
 
   /// Structures of a small draft, with areas as in the picture. `decode_ms`: adds the draft's.
@@ -117,7 +72,7 @@ struct PageRenderer::Impl {
     SPLATLAS_ASSIGN_OR_RETURN(const Camera whole, renderer.fit(camera, draft));
     SPLATLAS_ASSIGN_OR_RETURN(const Frame frame, renderer.render(whole, draft));
     decode_ms += frame.stats.decode_ms;
-    std::vector<NamedStructure> structures = structures_of(frame, renderer, options.labelled);
+    std::vector<NamedStructure> structures = named_structures(frame, renderer, options.labelled);
     for (NamedStructure& one : structures) one.visible.pixels /= scale * scale;
     return structures;
   }
@@ -165,7 +120,7 @@ struct PageRenderer::Impl {
     AnnotatedScene scene{frame.picture, view};
     if (!keeps_alpha)
       scene.background = options.background, scene.background_bottom = options.background_bottom;
-    if (names_structures()) scene.structures = structures_of(frame, renderer, options.labelled);
+    if (names_structures()) scene.structures = named_structures(frame, renderer, options.labelled);
     SPLATLAS_RETURN_IF_ERROR(drawer->wait());
     const AnnotationOptions content = annotation_options(atlas.provenance());
     SPLATLAS_ASSIGN_OR_RETURN(AnnotationLayer layer, annotate_picture(scene, content, measure));

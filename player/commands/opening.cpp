@@ -8,6 +8,7 @@
 #include "format/result_macros.h"
 #include "format/text/json_text.h"
 #include "player/commands/framing.h"
+#include "player/web/page_state.h"
 
 namespace splatlas {
 
@@ -23,6 +24,7 @@ Result<Opening> opening_of(const OpeningRequest& request, const Atlas& atlas) {
   opening.select = scene.selection;
   opening.caption = scene.question.empty() ? scene.caption : scene.question;
   opening.zoom = scene.zoom;
+  if (scene.perspective) opening.camera.projection = CameraProjection::kPerspective;
   SPLATLAS_ASSIGN_OR_RETURN(opening.framing, framing_of(scene, atlas));
   if (!request.names_view) {
     opening.camera.azimuth_deg = scene.azimuth_deg;
@@ -33,13 +35,8 @@ Result<Opening> opening_of(const OpeningRequest& request, const Atlas& atlas) {
 
 std::string json_of(const Opening& opening) {
   const Camera& camera = opening.camera;
-  nlohmann::ordered_json json{
-      {"select", opening.select},
-      {"camera",
-       {{"azimuth", camera.azimuth_deg}, {"elevation", camera.elevation_deg}, {"zoom", camera.zoom}}},
-      {"scene", nullptr}};
+  nlohmann::ordered_json json{{"select", opening.select}, {"camera", json_of(camera)}, {"scene", nullptr}};
   nlohmann::ordered_json& placed = json["camera"];
-  if (camera.center_lps_mm) placed["center"] = *camera.center_lps_mm;
   if (!opening.is_fitted) {
     placed["fit"] = {{"structure", -1}, {"zoom", opening.zoom}};
     if (opening.framing.center_lps_mm) placed["fit"]["center"] = *opening.framing.center_lps_mm;

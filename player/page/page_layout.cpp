@@ -107,7 +107,8 @@ void PageLayout::place_paragraph(std::string_view words, double points, FontStyl
   std::vector<std::string> lines;
   for (std::size_t at = 0; at <= words.size(); ++at) {
     const std::size_t end = std::min(words.find('\n', at), words.size());
-    std::ranges::move(wrap_text(words.substr(at, end - at), page.width(), width), std::back_inserter(lines));
+    for (std::string& line : wrap_text(words.substr(at, end - at), page.width(), width))
+      lines.push_back(std::move(line));
     at = end;
   }
   const double leading = kLineSpacing * points * pt;

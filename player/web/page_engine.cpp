@@ -14,6 +14,7 @@
 #include "format/text/json_text.h"
 #include "player/camera_moves.h"
 #include "player/web/info_json.h"
+#include "player/web/page_labels.h"
 #include "player/web/page_state.h"
 #include "player/web/render_warnings.h"
 
@@ -161,6 +162,8 @@ struct PageEngine::Call {
     SPLATLAS_ASSIGN_OR_RETURN(const auto warnings, selection_warnings(terms, atlas));
     SPLATLAS_RETURN_IF_ERROR(renderer->select(selection));
     engine.selected_ = text;
+    engine.warnings_ = warnings;
+    engine.is_told_ = false;
     return Json(warnings);
   }
 
@@ -185,26 +188,33 @@ struct PageEngine::Call {
   Result<Json> draw() const {
     SPLATLAS_ASSIGN_OR_RETURN(Renderer* const renderer, this->renderer());
     SPLATLAS_ASSIGN_OR_RETURN(PageState state, page_state_of(request));
-    Json answer;
-    const bool is_new = is_other_selection();
-    answer["warnings"] = Json::array();
-    if (is_new) {
-      SPLATLAS_ASSIGN_OR_RETURN(answer["warnings"], select());
-    }
+    if (is_other_selection()) SPLATLAS_RETURN_IF_ERROR(select());
     if (state.fit) {
       SPLATLAS_ASSIGN_OR_RETURN(state.camera, fit(*renderer, state, *state.fit));
     }
-    answer["camera"] = json_of(state.camera);
-    if (is_new) answer["drawn"] = drawn_json(renderer->selection());
     Result<void> rendered = renderer->render(state.camera, state.options, engine.frame_, control);
     if (!rendered) {
       engine.frame_ = {};
       return tl::unexpected(std::move(rendered).error());
     }
+    engine.camera_ = state.camera;
+    Json answer{{"camera", json_of(state.camera)}, {"warnings", Json::array()}};
+    if (!std::exchange(engine.is_told_, true)) {
+      answer["warnings"] = engine.warnings_;
+      answer["drawn"] = drawn_json(renderer->selection());
+    }
+    const RenderStats& stats = engine.frame_.stats;
+    answer["ms"] = stats.select_ms + stats.decode_ms + stats.render_ms;
     answer["missing"] = Json::array();
     for (const MissingPart& part : engine.frame_.missing)
       answer["missing"].push_back(describe(part, renderer->atlas().graph()));
     return answer;
+  }
+
+  Result<Json> labels() const {
+    SPLATLAS_ASSIGN_OR_RETURN(const Renderer* const renderer, this->renderer());
+    if (engine.frame_.picture.rgba.empty()) return fail(ErrorCode::kUsage, "there is no picture");
+    return page_labels(request, engine.frame_, engine.camera_, *renderer);
   }
 
   Result<Json> pick() const {
@@ -227,6 +237,7 @@ struct PageEngine::Call {
   Result<Json> by_name(const std::string& name) const {
     if (name == "draw") return draw();
     if (name == "pick") return pick();
+    if (name == "labels") return labels();
     if (name == "fit") return fit_camera();
     if (name == "select") return select();
     if (name == "drawn") return drawn();

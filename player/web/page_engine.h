@@ -42,9 +42,10 @@ class PageEngine {
   ///   drawn                       mode, opacity and colour of each structure: [["surface", 0.4, "#c0392b"],
   ///                               ["off"], ...]; the opacity is null where it is the default
   ///   fit {state}                 the camera that shows the selection, or its part in a structure
-  ///   draw {state}                draws. {camera, warnings, missing, drawn if the selection is another}
-  ///   pick {at}                   the structure at [x, y] of the latest picture, and its point; or null
-  ///   stats                       counts and times of the latest picture
+  ///   draw {state}                draws. {camera, warnings, missing, ms, drawn for the first one of a
+  ///   selection} pick {at}                   the structure at [x, y] of the latest picture, and its point;
+  ///   or null labels {see page_labels()}  names with leader lines on the latest picture stats counts and
+  ///   times of the latest picture
   [[nodiscard]] PageAnswer call(std::string_view request, std::vector<std::byte> bytes = {},
                                 const RenderControl& control = {});
 
@@ -58,7 +59,10 @@ class PageEngine {
   std::shared_ptr<RemoteBytes> remote_;  // of the atlas that is open, or is being opened
   std::optional<Renderer> renderer_;
   std::optional<std::string> selected_;  // text of the selection
+  std::vector<std::string> warnings_;    // about it
+  bool is_told_ = true;                  // a picture has told of it
   Frame frame_;
+  Camera camera_;  // of the frame
 };
 
 }  // namespace splatlas

@@ -240,7 +240,7 @@ class Splatlas {
 
   /** Renders a state, whatever was set before: select, camera, cuts, size, quality and the options. Other than the
    * camera of view(), that of a state may have `fit`: {structure, zoom, center, size} fits it first.
-   * @returns {object} as render(), with the camera, warnings, and drawn() if the selection is another */
+   * @returns {object} as render(), with the camera and ms, and with warnings and drawn() for the first picture of a selection */
   draw(state) {
     this.#values = 0;
     const answer = this.#call('draw', state);
@@ -258,6 +258,15 @@ class Splatlas {
    * @returns {?{index: number, id: string, name: string, path: string, point: number[]}} point in LPS mm */
   pick(x, y) {
     return this.#call('pick', {at: [x, y]});
+  }
+
+  /** Names with leader lines on the latest picture, as on a printed page, for a canvas of its size.
+   * @param {object} options glyphs: the width of each letter in em; dpi: names have 8.5 points; background: '#rrggbb';
+   *   labels: names of structures, none for all but ghosts
+   * @returns {object} lines [x0, y0, x1, y1, width, color, casing, casing color], dots [x, y, radius, color, casing,
+   *   casing color] and texts [text, x, baseline, size, color], in pixels */
+  labels(options) {
+    return this.#call('labels', options);
   }
 
   /** Counts and times, in ms, of the latest picture. @returns {object} */

@@ -1,7 +1,7 @@
 // The workers: one drafts and picks, one refines. Part of the page's script.
 'use strict';
 
-const kDraftBudget = 40;   // ms
+const kDraftBudget = 33;   // ms
 const kRefineDelay = 120;  // ms of rest before a refinement
 const kMaxRestarts = 3;
 const kFirstPiece = 65536;  // bytes: header and directory of most atlases
@@ -77,8 +77,8 @@ class RemoteFile {
   }
 }
 
-/** Draws the newest state by workers. Calls the handlers {ready, picture, drawn, picked, hovered, told, error,
- * stopped}: `told` is an error beside the picture, `error` one in its place. */
+/** Draws the newest state by workers. Calls the handlers {ready, picture, drawn, picked, hovered, labelled, told,
+ * error, stopped}: `told` is an error beside the picture, `error` one in its place. */
 class Engine {
   #handlers;
   #module = null;
@@ -170,6 +170,11 @@ class Engine {
     this.#workers[0].postMessage({type: 'hover', serial: this.#serial, u, v});
   }
 
+  /** Asks for names on the finished picture. */
+  label(options) {
+    this.#workers.at(-1).postMessage({type: 'label', serial: this.#serial, options});
+  }
+
   /** The camera of a state with `fit`. No picture comes before the next show(). @returns {Promise<?object>} null once a
    * later fit is asked for */
   fitted(state) {
@@ -207,6 +212,7 @@ class Engine {
     if (n === 0 && message.drawn) this.#handlers.drawn(message.drawn);
     if (message.type === 'picked') return this.#handlers.picked(message.picked);
     if (message.type === 'hovered') return this.#handlers.hovered(message.hovered);
+    if (message.type === 'labelled') return message.serial === this.#serial && this.#handlers.labelled(message.layer);
     if (message.type === 'fitted') return this.#fit.resolve(message.camera);
     if (message.type === 'error' && message.of === 'fit') return this.#fit.reject(new Error(message.message));
     if (message.type === 'error' && message.of !== 'draw') return this.#handlers.told(message.message);

@@ -17,6 +17,7 @@ class Page {
     drawn: drawn => this.#takeDrawn(drawn),
     picked: picked => this.#takePick(picked),
     hovered: picked => this.#pointer.show(picked),
+    labelled: layer => { if (layer) this.#names.show(layer, this.#pictures.width, this.#pictures.height); },
     told: text => this.#tell(text),
     error: text => this.#takeError(text),
     stopped: text => this.#stopFor(text),
@@ -37,6 +38,7 @@ class Page {
   });
   #pointer = new PointerName((u, v) => this.#engine.hover(u, v));
   #menu = null;
+  #names = null;
   #keys = new Map();  // what keys do
   #purpose = 'choose';  // of the latest pick
   #pressed = [0, 0];    // its place
@@ -69,6 +71,7 @@ class Page {
 
   #begin(info) {
     const model = this.#model = new Model(info);
+    this.#names = new Names(info.structures);
     const camera = () => this.#stage.camera;
     const changed = () => this.#changed();
     this.#stage.start(this.#opening.camera, info.display);
@@ -216,8 +219,10 @@ class Page {
     this.#typed = null;
     this.#lastGood = {state: this.#model.state, camera: this.#stage.camera, steps: this.#model.steps()};
     document.body.dataset.quality = message.quality;
+    this.#names.hide();
     if (this.#motion) this.#step();
     if (message.quality === 'draft') return;
+    this.#labelPicture();
     this.#writeLink();
     if (message.data.some((value, n) => n % 4 === 3 && value > 0)) return;
     const isOff = this.#model.drawn.every(([mode]) => mode === 'off');
@@ -305,6 +310,15 @@ class Page {
     for (const button of [...byId('views').children].slice(-3, -1)) button.classList.add('sign');
   }
 
+  /** Puts names on the finished picture: those that the scene chooses, or all but ghosts. */
+  #labelPicture() {
+    const {scene} = this.#model.state;
+    const labels = scene === null || this.#model.differsFromScene() ? [] : this.#model.info.scenes[scene].labels;
+    const options = this.#names.options(labels, this.#pictures.width / this.#stage.size()[0]);
+    this.#names.hide();
+    if (options && document.body.dataset.quality !== 'draft') this.#engine.label(options);
+  }
+
   /** Changes parts of the camera: a step of undo. */
   #turnTo(camera) {
     this.#model.change({}, this.#stage.camera, null, true);
@@ -335,6 +349,7 @@ class Page {
     act('show-all', () => this.#edit(camera => model.showAll(camera)));
     act('hide-all', () => this.#edit(camera => model.hideAll(camera)));
     act('large', () => Talk.toggle('large'));
+    act('save', () => this.#save());
     act('ghost-others', () => this.#ghostOthers(this.#inspector.index));
     act('focus-chosen', () => this.#focus(this.#inspector.index));
     this.#menu = new Menu([
@@ -391,13 +406,13 @@ class Page {
     const lines = ['[[scene]]', 'name = "New scene"', `select = ${JSON.stringify(this.#model.selection())}`,
       'question = ""', 'caption = ""', `azimuth = ${round(azimuth)}`, `elevation = ${round(elevation)}`,
       `zoom = ${Number((zoom / fittedZoom).toPrecision(4))}`];
+    if (Camera.isPerspective(this.#stage.camera)) lines.push('projection = "perspective"');
     if (center) lines.push(`center = "${center.map(round)}"`);
     const cuts = this.#model.state.cuts.map(({normal, offset}) => `"${[...normal, round(offset)]}"`);
     if (cuts.length > 0) lines.push(`cuts = [${cuts.join(', ')}]`);
     const text = `${lines.join('\n')}\n`;
-    const parallel = Camera.isPerspective(this.#stage.camera) ? ' Scenes have no perspective.' : '';
-    if (await this.#copy(text, `The scene is copied. Paste it into the file of build --scene.${parallel}`,
-      `This browser does not let the page copy. The scene is in the box of the selection.${parallel}`)) return;
+    if (await this.#copy(text, 'The scene is copied. Paste it into the file of build --scene.',
+      'This browser does not let the page copy. The scene is in the box of the selection.')) return;
     byId('selection-text').value = text;
     byId('selection-text').select();
   }
@@ -465,6 +480,11 @@ class Page {
       ['U, Ctrl + Z', 'undo', ['u', 'Ctrl+z'], () => this.#undo('undo')],
       ['R, Ctrl + Y', 'redo', ['r', 'Ctrl+y', 'Ctrl+Shift+z'], () => this.#undo('redo')],
       ['F, F5', 'picture and caption alone; Escape ends it', ['f', 'F5'], () => Talk.toggle('large')],
+      ['T', 'names on the picture, in three sizes', ['t'], () => {
+        this.#names.grow();
+        this.#labelPicture();
+      }],
+      ['S', 'save the picture with its caption', ['s', 'Ctrl+s'], () => this.#save()],
       ['B', 'black screen', ['b'], () => Talk.toggle('black')],
       ['L', 'a dot for the pointer', ['l'], () => Talk.toggle('dot')],
       ['Escape', 'end', ['Escape'], () => Talk.end()],
@@ -489,6 +509,11 @@ class Page {
     if (!act || (isText && !/^(Page|F5|Escape)/.test(name))) return;
     event.preventDefault();
     act(event.key);
+  }
+
+  #save() {
+    const {scene} = this.#model.state;
+    savePicture(scene === null ? 'picture' : this.#model.info.scenes[scene].name, byId('caption').textContent);
   }
 
   #openSearch() {

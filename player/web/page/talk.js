@@ -1,6 +1,9 @@
-// What helps in a talk: the name at the pointer, the menu at a structure, the large picture. Part of the page's script.
+// What helps in a talk: names on the picture and at the pointer, the menu at a structure, the large picture, the saved
+// picture. Part of the page's script.
 'use strict';
 
+const kNameSizes = [0, 13, 18, 26];  // pixels of the page
+const kNamePoints = 8.5;              // of print
 const kRestMs = 60;  // of the pointer, before its name is asked for
 
 /** A text beside the pointer, with what is under it. Calls ask(u, v) when the pointer rests. */
@@ -75,6 +78,107 @@ class Menu {
     const items = [...this.#box.children];
     items[(items.indexOf(document.activeElement) + by + items.length) % items.length].focus();
   }
+}
+
+/** The colour behind the picture, as #rrggbb. */
+function stageColor() {
+  const [, ...parts] = /(\d+), (\d+), (\d+)/.exec(getComputedStyle(document.querySelector('main')).backgroundColor);
+  return `#${parts.map(part => Number(part).toString(16).padStart(2, '0')).join('')}`;
+}
+
+/** Names with lines to their structures, in three sizes. */
+class Names {
+  #canvas = document.getElementById('names');
+  #font = getComputedStyle(document.body).fontFamily;
+  #glyphs = {};
+  #size = 0;  // index into kNameSizes
+
+  constructor(structures) {
+    const context = this.#canvas.getContext('2d');
+    context.font = `100px ${this.#font}`;
+    for (const {name} of structures) {
+      for (const letter of name) this.#glyphs[letter] ??= context.measureText(letter).width / 100;
+    }
+  }
+
+  /** The next size, or none after the largest. */
+  grow() {
+    this.#size = (this.#size + 1) % kNameSizes.length;
+  }
+
+  /** What the engine needs to place them; null: no names are wanted. A scene that chooses labels has them anyway. */
+  options(labels, pixelRatio) {
+    const size = kNameSizes[this.#size || Number(labels.length > 0)];
+    if (size === 0) return null;
+    return {glyphs: this.#glyphs, dpi: size * pixelRatio * 72 / kNamePoints, background: stageColor(), labels};
+  }
+
+  hide() {
+    this.#canvas.hidden = true;
+  }
+
+  show({lines, dots, texts}, width, height) {
+    const context = this.#canvas.getContext('2d');
+    [this.#canvas.width, this.#canvas.height, this.#canvas.hidden] = [width, height, false];
+    const stroke = ([x0, y0, x1, y1], color, lineWidth) => {
+      context.strokeStyle = color;
+      context.lineWidth = lineWidth;
+      context.beginPath();
+      context.moveTo(x0, y0);
+      context.lineTo(x1, y1);
+      context.stroke();
+    };
+    const disc = ([x, y], color, radius) => {
+      context.fillStyle = color;
+      context.beginPath();
+      context.arc(x, y, radius, 0, 2 * Math.PI);
+      context.fill();
+    };
+    context.globalAlpha = 0.7;
+    for (const line of lines) stroke(line, line[7], line[6]);
+    for (const dot of dots) disc(dot, dot[5], dot[2] + dot[4]);
+    context.globalAlpha = 1;
+    for (const line of lines) stroke(line, line[5], line[4]);
+    for (const dot of dots) disc(dot, dot[3], dot[2]);
+    for (const [text, x, y, size, color] of texts) {
+      context.font = `${size}px ${this.#font}`;
+      context.fillStyle = color;
+      context.fillText(text, x, y);
+    }
+  }
+}
+
+/** Saves what is on the screen: the picture with names, scale bar and caption. */
+function savePicture(name, caption) {
+  const [picture, names, bar] = ['canvas', 'names', 'scale-bar'].map(id => document.getElementById(id));
+  const ratio = picture.width / picture.clientWidth;
+  const made = document.createElement('canvas');
+  const context = made.getContext('2d');
+  const font = `${16 * ratio}px ${getComputedStyle(document.body).fontFamily}`;
+  context.font = font;
+  const lines = [''];
+  for (const word of caption.split(/\s+/)) {
+    const longer = `${lines.at(-1)} ${word}`.trim();
+    if (context.measureText(longer).width < picture.width - 32 * ratio) lines[lines.length - 1] = longer;
+    else lines.push(word);
+  }
+  [made.width, made.height] = [picture.width, picture.height + (caption ? (24 * lines.length + 16) * ratio : 0)];
+  context.fillStyle = stageColor();
+  context.fillRect(0, 0, made.width, made.height);
+  context.drawImage(picture, 0, 0);
+  if (!names.hidden) context.drawImage(names, 0, 0);
+  [context.font, context.fillStyle] = [font, getComputedStyle(document.body).color];
+  lines.forEach((line, n) => context.fillText(line, 16 * ratio, picture.height + (24 * n + 16) * ratio));
+  if (!bar.hidden) {
+    const [x, y, width] = [bar.offsetLeft, bar.offsetTop + bar.offsetHeight, bar.offsetWidth].map(side => side * ratio);
+    context.fillRect(x, y, width, 2 * ratio);
+    context.fillText(bar.textContent, x, y - 4 * ratio);
+  }
+  made.toBlob(blob => {
+    const link = element('a', {download: `${name}.png`, href: URL.createObjectURL(blob)});
+    link.click();
+    URL.revokeObjectURL(link.href);
+  });
 }
 
 /** The picture alone with its caption, the black screen, and a dot for the pointer. */

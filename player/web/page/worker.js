@@ -1,8 +1,9 @@
 // A worker of the page: draws and picks by an engine. Follows splatlas.js in one script.
 //
 // From the page:  {type: 'start', server, or module with atlas or size}, 'given' and 'withheld' pieces of an atlas on a server, and then
-//                 {type: 'draw'}, {type: 'pick'}, {type: 'hover'} and {type: 'fit'}; see engine.js.
-// To the page:    'wanted' pieces, 'ready', 'picture', 'picked', 'hovered', 'fitted', 'error' (the worker goes on) and 'fatal' (it
+//                 {type: 'draw'}, {type: 'pick'}, {type: 'hover'}, {type: 'label'} and {type: 'fit'}; see engine.js.
+// To the page:    'wanted' pieces, 'ready', 'picture', 'picked', 'hovered', 'labelled', 'fitted',
+//                 'error' (the worker goes on) and 'fatal' (it
 //                 does not).
 'use strict';
 
@@ -98,12 +99,13 @@ function take(pieces) {
 
 function work() {
   isAwake = false;
-  const {draw, pick, hover, fit} = requests;
+  const {draw, pick, hover, fit, label} = requests;
   requests = {};
   if (draw) attempt(drawPicture, draw);
   if (pick) attempt(answerPick, pick);
   if (hover) attempt(answerHover, hover);
   if (fit) attempt(answerFit, fit);
+  if (label) attempt(answerLabel, label);
 }
 
 /** Posts what task(request) returns. Tells the page about errors; after a trap this worker is of no use. */
@@ -165,6 +167,11 @@ function adapt(ms, budget) {
 
 function answerFit({state: {select, cuts, size, camera}}) {
   return {type: 'fitted', camera: splatlas.fitted({select, cuts, size, camera})};
+}
+
+/** Names on the finished picture, while it is the latest. */
+function answerLabel({serial, options}) {
+  return {type: 'labelled', layer: latest?.serial === serial ? splatlas.labels(options) : null};
 }
 
 /** The name under a resting pointer, in the latest picture alone. */

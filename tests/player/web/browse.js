@@ -1,4 +1,5 @@
-// node browse.js PAGE FOLDER NAME: drives a page of `splatlas-player export --html` in Chromium, from file://.
+// node browse.js PAGE FOLDER NAME PLAYER ATLAS: drives a page of `splatlas-player export --html` in Chromium, from
+// file://, and the page that PLAYER serves for ATLAS.
 //
 // FOLDER/site has its site, which a server with ranges and one without give to the browser, too.
 // Loads it, drags, searches for NAME, chooses, picks, cuts, undoes, and steps through the scenes, at the sizes of a
@@ -7,7 +8,8 @@
 // Exit status 77: puppeteer-core or the browser is missing.
 'use strict';
 const assert = require('node:assert');
-const {execFileSync} = require('node:child_process');
+const {execFileSync, spawn} = require('node:child_process');
+const {once} = require('node:events');
 const fs = require('node:fs');
 const path = require('node:path');
 const {createRequire} = require('node:module');
@@ -26,7 +28,7 @@ const kMinDraftRate = 3;  // a second; slow machines run other tests meanwhile
 
 const kPuppeteer = 'puppeteer-core@24';
 
-const [file, folder, name] = process.argv.slice(2);
+const [file, folder, name, player, atlas] = process.argv.slice(2);
 
 /** The library that drives browsers; null where it cannot be installed. */
 function puppeteer() {
@@ -145,7 +147,7 @@ async function search(visit) {
 async function edit(visit) {
   const {page} = visit;
   await visit.changes('isolate', () => page.click('#isolate'));
-  await visit.changes('fit', () => page.keyboard.press('f'));
+  await visit.changes('fit', () => page.keyboard.press('0'));
   const [x, y] = await middleOf(visit);
   await page.mouse.click(x, y);
   await page.waitForSelector('#picked strong', {timeout: kPatience});
@@ -160,7 +162,77 @@ async function edit(visit) {
   await visit.changes('undo', () => page.click('#undo'));
   await visit.changes('undo', () => page.keyboard.press('u'));
   await visit.changes('undo', () => page.keyboard.press('u'));
-  await visit.changes('fit', () => page.keyboard.press('f'));
+  await visit.changes('fit', () => page.keyboard.press('0'));
+}
+
+/** What the pointer does: a name at rest, a focus, a menu. */
+async function point(visit) {
+  const {page} = visit;
+  const [x, y] = await middleOf(visit);
+  await page.mouse.move(x + 3, y + 3);
+  await page.waitForFunction(() => document.getElementById('hover').textContent !== '', {timeout: kPatience});
+  assert.strictEqual(await visit.text('#hover'), await visit.text('#chosen-name'));
+  await visit.changes('focus', () => page.mouse.click(x, y, {count: 2}));
+  await page.mouse.click(x, y, {button: 'right'});
+  await page.waitForSelector('#menu:not([hidden])', {timeout: kPatience});
+  await visit.picture('desk_menu');
+  await page.keyboard.press('Escape');
+  await visit.changes('ghosts', () => page.keyboard.press('g'));
+  await visit.picture('desk_ghosts');
+  await visit.changes('hide all', () => page.click('#hide-all'));
+  await visit.changes('undo', () => page.keyboard.press('u'));
+  await visit.changes('redo', () => page.click('#redo'));
+  await visit.changes('undo', () => page.keyboard.press('u'));
+}
+
+/** The large picture, the black screen, and the list of keys. */
+async function talk(visit) {
+  const {page} = visit;
+  const hidden = selector => page.$eval(selector, each => getComputedStyle(each).display === 'none');
+  await visit.changes('large', () => page.keyboard.press('f'));
+  assert(await hidden('#panel') && await hidden('header') && !(await hidden('#caption')));
+  await visit.picture('desk_large');
+  await page.keyboard.press('b');
+  await page.keyboard.press('Escape');
+  assert.strictEqual(await page.evaluate(() => document.body.dataset.black), undefined);
+  await visit.changes('end', () => page.keyboard.press('Escape'));
+  assert(!(await hidden('#panel')));
+  await page.keyboard.press('?');
+  assert(!(await hidden('#keys')));
+}
+
+/** The state comes back by window.splatlas. */
+async function restore(visit) {
+  const {page} = visit;
+  const before = await page.evaluate(async () => {
+    await splatlas.idle();
+    return {state: splatlas.state(), picture: document.getElementById('canvas').toDataURL()};
+  });
+  const after = await page.evaluate(async state => {
+    const {count} = splatlas.pictures;
+    splatlas.show({select: '*:volume'});
+    await splatlas.idle();
+    splatlas.show(state);
+    await splatlas.idle();
+    return {more: splatlas.pictures - count, ms: splatlas.pictures.ms, picture: document.getElementById('canvas').toDataURL()};
+  }, before.state);
+  assert.strictEqual(after.picture, before.picture);
+  assert(after.more >= 2 && after.ms > 0, `${after.more} pictures, ${after.ms} ms`);
+}
+
+/** Every button of the page lies on the screen. */
+async function buttonsAreInside(visit, sizes) {
+  for (const [width, height] of sizes) {
+    await visit.page.setViewport({...visit.viewport, width, height});
+    await visit.hasNoOverflow();
+    const outside = await visit.page.$$eval('header button, #views button, #lesson button, #tabs button, #inspector button',
+      buttons => buttons.filter(button => button.checkVisibility()).filter(button => {
+        const {left, top, right, bottom} = button.getBoundingClientRect();
+        return left < 0 || top < 0 || right > innerWidth || bottom > innerHeight;
+      }).map(button => button.id || button.textContent));
+    assert.deepStrictEqual(outside, [], `${width} x ${height}`);
+  }
+  await visit.page.setViewport(visit.viewport);
 }
 
 /** The colours, text sizes and tabs of the panel. */
@@ -214,11 +286,15 @@ async function onDesk(visit, url) {
   await visit.changes('wheel', () => page.mouse.wheel({deltaY: -200}));
   await search(visit);
   await edit(visit);
+  await point(visit);
+  await restore(visit);
+  await buttonsAreInside(visit, [[1280, 720], [1920, 1080], [3840, 2160]]);
   await goBack(visit);
   await page.click('#tab-cutting');
   await visit.changes('cut', () => page.select('#cuts select', 'high'));
   await visit.picture('desk_cut');
   await display(visit);
+  await talk(visit);
   return page.url();
 }
 
@@ -228,6 +304,7 @@ async function onPhone(visit, url) {
   await visit.hasNoOverflow();
   await visit.changes('scene', () => visit.page.tap('#next'));
   await visit.picture('phone_scene');
+  await buttonsAreInside(visit, [[390, 844]]);
   await visit.changes('view', () => visit.page.tap('#views button:nth-child(5)'));
   await visit.page.tap('#tab-cutting');
   await visit.picture('phone_cuts');
@@ -331,6 +408,27 @@ async function onSlowServer(newPage) {
   server.close();
 }
 
+/** The page of the program that has the engine, which ends with its page. */
+async function onNative(browser) {
+  const program = spawn(player, [atlas, '--no-browser'], {stdio: ['ignore', 'pipe', 'inherit']});
+  const ended = once(program, 'exit');
+  const [line] = await once(program.stdout, 'data');
+  const [address] = String(line).split('\n');
+  const site = new URL('/', address).href;
+  const context = await browser.createBrowserContext();
+  let link = '';
+  for (const [viewport, run] of [[kDesk, async visit => { link = await onDesk(visit, address); }],
+    [kPhone, visit => onPhone(visit, site)], [kDesk, visit => byLink(visit, link)]]) {
+    const visit = new Visit(await context.newPage(), viewport, site);
+    await run(visit);
+    assert.deepStrictEqual(visit.messages, []);
+    assert(!visit.page.url().includes('token'));
+    await visit.page.close();
+  }
+  const [status] = await ended;
+  assert.strictEqual(status, 0);
+}
+
 async function main() {
   const library = puppeteer();
   if (!library || !fs.existsSync(kBrowser)) return 77;
@@ -350,6 +448,7 @@ async function main() {
     await onServer(newPage, true);
     await onServer(newPage, false);
     await onSlowServer(newPage);
+    await onNative(browser);
   } finally {
     await browser.close();
   }
