@@ -140,6 +140,12 @@ class Model {
     this.#undo.length = Math.min(this.#undo.length, Math.max(steps - this.#forgotten, 0));
   }
 
+  /** Forgets all steps. */
+  forgetAll() {
+    this.forgetSteps(0);
+    this.#redo = [];
+  }
+
   /** True if the selection is not that of the present scene, or if there is no scene. */
   differsFromScene() {
     const {scene, base, edits} = this.state;

@@ -38,6 +38,7 @@ class Page {
   });
   #pointer = new PointerName((u, v) => this.#engine.hover(u, v));
   #menu = null;
+  #lesson = null;
   #names = null;
   #keys = new Map();  // what keys do
   #purpose = 'choose';  // of the latest pick
@@ -82,6 +83,13 @@ class Page {
     });
     this.#scenes = new Scenes(info.scenes, n => this.#showScene(n), () => this.#answer());
     this.#cuts = new Cuts(model, camera, changed);
+    this.#lesson = new Lesson(model, {
+      record: () => this.#recorded(), show: n => this.#showScene(n),
+      list: () => {
+        this.#scenes.list();
+        this.#mark();
+      },
+    });
     this.#startViews(info.views);
     this.#startSearch();
     this.#startActions();
@@ -111,6 +119,7 @@ class Page {
     const {scene, isAsking} = this.#model.state;
     this.#scenes.mark(scene, isAsking, this.#model.differsFromScene());
     this.#cuts.update();
+    this.#lesson.update();
     for (const [id, can] of [['undo', this.#model.canUndo()], ['redo', this.#model.canRedo()]]) {
       if (!can && document.activeElement === byId(id)) byId('canvas').focus();
       byId(id).disabled = !can;
@@ -286,7 +295,7 @@ class Page {
     clearTimeout(this.#messageTimer);
     this.#endWait();
     document.body.dataset.stopped = 'true';
-    for (const part of ['canvas', 'views', 'scenes', 'panel', 'undo', 'show-all']) byId(part).inert = true;
+    for (const part of ['canvas', 'views', 'scenes', 'panel', 'undo', 'redo', 'show-all', 'hide-all', 'large']) byId(part).inert = true;
   }
 
   #stopFor(reason) {
@@ -379,12 +388,6 @@ class Page {
       if (!this.#writeLink()) return this.#tell('The selection is too long for a link. Copy its text, or a scene.');
       return this.#copy(location.href, 'The link is copied.', 'The link is in the address bar.');
     });
-    byId('copy-scene').addEventListener('click', async () => {
-      const fit = {...this.#stage.camera, fit: {structure: -1, zoom: 1}};
-      const fitted = await this.#engine.fitted({...this.#drawing(), camera: fit});
-      if (fitted) await this.#copyScene(fitted.zoom);
-      this.#show();
-    });
   }
 
   /** Puts a text into the clipboard, and tells so. @returns {boolean} false where the browser does not let it */
@@ -399,22 +402,19 @@ class Page {
     }
   }
 
-  /** Copies the present state as a table of `splatlas-preprocess build --scene`. */
-  async #copyScene(fittedZoom) {
-    const {azimuth, elevation, zoom, center} = this.#stage.camera;
+  /** The picture on the screen as a scene, with round numbers, which the screen then shows. */
+  async #recorded() {
+    const {azimuth, elevation, zoom, center, projection = 'parallel'} = this.#stage.camera;
     const round = number => Number(number.toFixed(2));
-    const lines = ['[[scene]]', 'name = "New scene"', `select = ${JSON.stringify(this.#model.selection())}`,
-      'question = ""', 'caption = ""', `azimuth = ${round(azimuth)}`, `elevation = ${round(elevation)}`,
-      `zoom = ${Number((zoom / fittedZoom).toPrecision(4))}`];
-    if (Camera.isPerspective(this.#stage.camera)) lines.push('projection = "perspective"');
-    if (center) lines.push(`center = "${center.map(round)}"`);
-    const cuts = this.#model.state.cuts.map(({normal, offset}) => `"${[...normal, round(offset)]}"`);
-    if (cuts.length > 0) lines.push(`cuts = [${cuts.join(', ')}]`);
-    const text = `${lines.join('\n')}\n`;
-    if (await this.#copy(text, 'The scene is copied. Paste it into the file of build --scene.',
-      'This browser does not let the page copy. The scene is in the box of the selection.')) return;
-    byId('selection-text').value = text;
-    byId('selection-text').select();
+    const placed = {azimuth: round(azimuth), elevation: round(elevation), projection,
+      center: (center ?? this.#model.info.display.center_lps_mm).map(round)};
+    const fitted = await this.#engine.fitted({...this.#drawing(), camera: {...placed, fit: {structure: -1, zoom: 1}}});
+    if (!fitted) return null;
+    const relative = Number((zoom / fitted.zoom).toPrecision(4));
+    this.#stage.camera = {...placed, zoom: fitted.zoom * relative};
+    this.#show();
+    const cuts = this.#model.state.cuts.map(({normal, offset}) => ({normal, offset: round(offset)}));
+    return {...placed, zoom: relative, select: this.#model.selection(), cuts};
   }
 
   /** Goes one step back or forth: 'undo' or 'redo'. */

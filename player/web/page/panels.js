@@ -85,17 +85,22 @@ class Scenes {
     this.#scenes = scenes;
     this.#show = show;
     this.#answer = answer;
-    byId('scenes').hidden = scenes.length === 0;
-    this.#buttons = scenes.map((scene, n) => {
-      const button = element('button', {}, element('span', {class: 'number', 'aria-hidden': 'true'}, String(n + 1)),
-        nameElement(scene.name));
-      button.addEventListener('click', () => show(n));
-      return button;
-    });
-    byId('strip').replaceChildren(...this.#buttons.map(button => element('li', {}, button)));
+    this.list();
     byId('previous').addEventListener('click', () => this.step(-1));
     byId('next').addEventListener('click', () => this.step(1));
     byId('answer').addEventListener('click', () => answer());
+  }
+
+  /** Makes the strip anew. */
+  list() {
+    byId('scenes').hidden = this.#scenes.length === 0;
+    this.#buttons = this.#scenes.map((scene, n) => {
+      const button = element('button', {}, element('span', {class: 'number', 'aria-hidden': 'true'}, String(n + 1)),
+        nameElement(scene.name));
+      button.addEventListener('click', () => this.#show(n));
+      return button;
+    });
+    byId('strip').replaceChildren(...this.#buttons.map(button => element('li', {}, button)));
   }
 
   /** Shows the scene after (1) or before (-1) the present one; first the answer to a question. */

@@ -174,11 +174,14 @@ function savePicture(name, caption) {
     context.fillRect(x, y, width, 2 * ratio);
     context.fillText(bar.textContent, x, y - 4 * ratio);
   }
-  made.toBlob(blob => {
-    const link = element('a', {download: `${name}.png`, href: URL.createObjectURL(blob)});
-    link.click();
-    URL.revokeObjectURL(link.href);
-  });
+  made.toBlob(blob => download(`${name}.png`, blob));
+}
+
+/** Hands a file to the user. */
+function download(name, blob) {
+  const link = element('a', {download: name, href: URL.createObjectURL(blob)});
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 
 /** The picture alone with its caption, the black screen, and a dot for the pointer. */

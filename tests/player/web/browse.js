@@ -255,7 +255,7 @@ async function display(visit) {
   await page.pdf({path: path.join(folder, 'print.pdf'), format: 'A4', printBackground: true});
 }
 
-/** The third scene asks, has cuts, and answers at the next key; its copy has all that a lesson needs. */
+/** The third scene asks, has cuts, and answers at the next key. */
 async function ask(visit) {
   const {page} = visit;
   await visit.changes('scene', () => page.keyboard.press('n'));
@@ -263,13 +263,46 @@ async function ask(visit) {
   await visit.picture('desk_question');
   await page.keyboard.press('n');
   assert.strictEqual(await visit.text('#caption'), 'The <b>first</b> one.');
-  await page.evaluate(() => {
-    navigator.clipboard.writeText = async text => { window.copied = text; };
-    document.getElementById('copy-scene').click();
+}
+
+/** A scene is recorded, and shows what was on the screen; the file has all that a lesson needs. */
+async function record(visit) {
+  const {page} = visit;
+  const idle = () => page.evaluate(() => splatlas.idle());
+  await page.click('#tab-recording');
+  await visit.changes('zoom', () => page.keyboard.press('+'));
+  await page.click('#record');
+  await page.waitForFunction(() => document.activeElement.id === 'scene-name', {timeout: kPatience});
+  await page.type('#scene-name', 'Recorded');
+  await page.type('#scene-caption', 'One\n"Two"');
+  await page.type('#scene-labels', 'Sphere_2');
+  await idle();
+  const screen = await page.evaluate(textOfCanvas);
+  await visit.picture('desk_lesson');
+  await page.click('#tab-structures');
+  await visit.changes('scene', () => page.keyboard.press('p'));
+  await visit.changes('scene', async () => {
+    await page.keyboard.press('n');
+    await page.keyboard.press('n');  // the answer, and the next
   });
-  await page.waitForFunction('window.copied', {timeout: kPatience});
-  assert.match(await page.evaluate(() => window.copied),
-    /^\[\[scene\]\]\n.*select = "\*:volume"\n.*zoom = 2\n.*cuts = \["0,-1,0,-15", "0.5,0,0.5,20"\]\n$/s);
+  await idle();
+  assert.strictEqual(await page.evaluate(textOfCanvas), screen);
+  await page.waitForSelector('#names:not([hidden])', {timeout: kPatience});
+  await visit.picture('desk_names');
+  const saved = await page.evaluate(async () => {
+    const make = URL.createObjectURL;
+    const blob = new Promise(resolve => { URL.createObjectURL = each => resolve(each) ?? make(each); });
+    HTMLAnchorElement.prototype.click = () => {};
+    document.getElementById('save-lesson').click();
+    return (await blob).text();
+  });
+  fs.writeFileSync(path.join(folder, 'lesson.toml'), saved);
+  assert.strictEqual(saved.match(/\[\[scene\]\]/g).length, 4);
+  assert.match(saved, /name = "Recorded"\nselect = "\*:volume"\nquestion = ""\ncaption = "One\\n\\"Two\\""\n/);
+  assert.match(saved, /cuts = \["0,-1,0,-15", "0.5,0,0.5,20"\]\nlabels = \["Sphere_2"\]\n$/);
+  await page.click('#tab-recording');
+  await visit.changes('remove', () => page.click('#remove'));
+  await page.click('#tab-structures');
 }
 
 async function onDesk(visit, url) {
@@ -281,6 +314,7 @@ async function onDesk(visit, url) {
   assert.match(await visit.text('#place'), /^2 of/);
   await visit.picture('desk_scene');
   await ask(visit);
+  await record(visit);
   await visit.changes('scene', () => page.keyboard.press('p'));
   await visit.changes('drag', () => drag(visit));
   await visit.changes('wheel', () => page.mouse.wheel({deltaY: -200}));
@@ -398,7 +432,6 @@ async function onSlowServer(newPage) {
   await visit.changes('scene', async () => {
     await page.keyboard.press('n');
     await page.mouse.click(x, y);
-    await page.evaluate(() => document.getElementById('copy-scene').click());
   });
   await page.waitForFunction(() => document.querySelector('#picked strong'), {timeout: kPatience});
   assert.match(await visit.text('#place'), /^2 of/);
