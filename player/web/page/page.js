@@ -5,6 +5,7 @@ const kViewKeys = ['1', '2', '3', '4', '5', '6'];
 const kMaxLinkText = 20000;
 const kMessageMs = 8000;
 const kSlowMs = 1000;  // without a picture until the page says so
+const kEmpty = 'The picture is empty';
 const kMotionMs = 400;
 const kMotionSteps = 6;  // pictures of a motion at least
 const kFocusZoom = 0.8;
@@ -233,9 +234,12 @@ class Page {
     if (message.quality === 'draft') return;
     this.#labelPicture();
     this.#writeLink();
-    if (message.data.some((value, n) => n % 4 === 3 && value > 0)) return;
+    if (message.data.some((value, n) => n % 4 === 3 && value > 0)) {
+      if (byId('message').textContent.startsWith(kEmpty)) byId('message').hidden = true;
+      return;
+    }
     const isOff = this.#model.drawn.every(([mode]) => mode === 'off');
-    this.#tell(`The picture is empty: ${isOff ? 'nothing is selected' : 'the cuts or the view leave nothing'}.`);
+    this.#tell(`${kEmpty}: ${isOff ? 'nothing is selected' : 'the cuts or the view leave nothing'}.`);
   }
 
   #takeDrawn(drawn) {
