@@ -5,7 +5,11 @@
 
 #include <cstdint>
 
+#ifdef __wasm__
 #define SPLATLAS_WEB(name) extern "C" __attribute__((export_name(#name), used))
+#else  // for tools that read the source
+#define SPLATLAS_WEB(name) extern "C"
+#endif
 
 /// Makes room for the input of the next call: bytes, and behind them the request in UTF-8. Null when out of
 /// memory.

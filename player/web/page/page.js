@@ -343,7 +343,8 @@ class Page {
     byId('search').addEventListener('input', event => {
       const found = this.#model.search(event.target.value);
       this.#tree.show(found);
-      byId('found').textContent = found === null ? '' : `Structures found: ${found.length}`;
+      byId('found').textContent = found === null ? '' : found.areNearest ? 'No structure has this name; the nearest are listed' :
+        `Structures found: ${found.length}`;
     });
     byId('search').addEventListener('keydown', event => {
       if (event.key !== 'ArrowDown' && event.key !== 'Enter') return;

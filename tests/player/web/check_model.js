@@ -1,4 +1,5 @@
-// node check_model.js SOURCE: the search of the page, over the names of the Colin 27 brain. SOURCE is the project's folder.
+// node check_model.js SOURCE: the model of the page: its search over the names of the Colin 27 brain, and its steps. SOURCE
+// is the project's folder.
 'use strict';
 const assert = require('node:assert');
 const fs = require('node:fs');
@@ -69,3 +70,27 @@ finds('girus', 'Left precentral gyrus', 56);
 finds('brain stem', 'Rest of brain', 5, true);
 finds('corpus callosum', 'Left amygdala', 5, true);
 assert.strictEqual(model.search(' - '), null);
+
+// Steps: what comes back, and with which camera.
+const lesson = new Model({structures, scenes: [
+  {select: 'Brain', cuts: [], question: ''}, {select: 'Vermis ', cuts: [{normal: [1, 0, 0], offset: 2}], question: 'Which?'}]});
+const texts = () => [lesson.selection(), lesson.state.cuts.length, lesson.state.scene, lesson.differsFromScene()];
+lesson.change(lesson.sceneState(0), 'opening');
+lesson.change(lesson.sceneState(1), 'first');
+assert.deepStrictEqual(texts(), ['Vermis', 1, 1, false]);
+assert.strictEqual(lesson.state.isAsking, true);
+lesson.ghostOthers(0, 'second');
+assert.deepStrictEqual(texts(), ['"Brain":surface + rest(ghost)', 1, 1, true]);
+lesson.change({}, 'turned', null, true);
+assert.strictEqual(lesson.undo('now'), 'turned');
+assert.strictEqual(lesson.undo('now'), null);
+assert.deepStrictEqual(texts(), ['Vermis', 1, 1, false]);
+assert.strictEqual(lesson.undo('now'), 'first');
+assert.deepStrictEqual(texts(), ['Brain', 0, 0, false]);
+assert.strictEqual(lesson.redo('here'), 'now');
+lesson.redo('here');
+assert.strictEqual(lesson.redo('here'), 'now');
+assert.deepStrictEqual([...texts(), lesson.canRedo()], ['"Brain":surface + rest(ghost)', 1, 1, true, false]);
+lesson.undo('here');
+lesson.hideAll('here');
+assert.deepStrictEqual([lesson.selection(), lesson.canRedo(), lesson.canUndo()], ['', false, true]);
