@@ -70,21 +70,8 @@ std::optional<LpsBox> bounding_box(const Atlas& atlas, const Selection& selectio
   for (const ClassDraw& draw : atlas.tree().plan(selection).classes)
     box.include(atlas.classes().box(draw.id));
   if (box.empty()) return std::nullopt;
-  const Affine to_lps = index_to_lps_mm(atlas.grid());
-  LpsBox bounds{{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
-  for (unsigned corner = 0; corner < 8; ++corner) {
-    Vec3 index{};
-    for (std::size_t a = 0; a < 3; ++a) {
-      const bool upper = (corner >> a & 1u) != 0;
-      index[a] = upper ? static_cast<double>(box.last[a]) + 0.5 : static_cast<double>(box.first[a]) - 0.5;
-    }
-    const Vec3 point = to_lps.apply(index);
-    for (std::size_t a = 0; a < 3; ++a) {
-      bounds.first[a] = std::min(bounds.first[a], point[a]);
-      bounds.last[a] = std::max(bounds.last[a], point[a]);
-    }
-  }
-  return bounds;
+  const auto [first, last] = box_lps_mm(atlas.grid(), box.first, box.last);
+  return LpsBox{first, last};
 }
 
 namespace {

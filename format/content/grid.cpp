@@ -116,6 +116,18 @@ Affine index_to_lps_mm(const Grid& grid) {
   return map;
 }
 
+std::pair<Vec3, Vec3> box_lps_mm(const Grid& grid, const Index3& first, const Index3& last) {
+  const Affine to_lps = index_to_lps_mm(grid);
+  std::pair box(to_lps.offset, to_lps.offset);
+  for (std::size_t n = 0; n < 9; ++n) {
+    const double low = to_lps.linear[n] * (static_cast<double>(first[n % 3]) - 0.5);
+    const double high = to_lps.linear[n] * (static_cast<double>(last[n % 3]) + 0.5);
+    box.first[n / 3] += std::min(low, high);
+    box.second[n / 3] += std::max(low, high);
+  }
+  return box;
+}
+
 Affine lps_mm_to_index(const Grid& grid) {
   Affine map{inverted(index_to_lps_mm(grid).linear), {0, 0, 0}};
   const Vec3 origin = map.apply_linear(grid.origin_lps_mm);

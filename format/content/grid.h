@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include "format/result.h"
 
@@ -83,6 +84,8 @@ struct Affine {
 
 /// Map from continuous voxel indices (i, j, k) to LPS mm.
 [[nodiscard]] Affine index_to_lps_mm(const Grid& grid);
+/// The least and the largest LPS mm of the voxels from `first` to `last`, from edge to edge.
+[[nodiscard]] std::pair<Vec3, Vec3> box_lps_mm(const Grid& grid, const Index3& first, const Index3& last);
 /// Map from LPS mm to continuous voxel indices. `grid` must be valid.
 [[nodiscard]] Affine lps_mm_to_index(const Grid& grid);
 

@@ -1,6 +1,5 @@
 // Program splatlas-player: player and command-line renderer of atlases.
 
-#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -51,23 +50,6 @@ tl::unexpected<Error> no_command_or_atlas(const CLI::App& app, const std::filesy
                                       in_quotes(word.string())));
 }
 
-/// The least and the largest coordinates of the voxels, as --cut and --center take them.
-std::pair<Vec3, Vec3> extent_lps_mm(const Grid& grid) {
-  const Affine to_lps = index_to_lps_mm(grid);
-  Vec3 low, high;
-  for (std::size_t a = 0; a < 3; ++a) {
-    low[a] = high[a] = to_lps.offset[a];
-    for (std::size_t b = 0; b < 3; ++b) {
-      const double per_voxel = to_lps.linear[3 * a + b];
-      const auto [least, most] =
-          std::minmax({-0.5 * per_voxel, (static_cast<double>(grid.size[b]) - 0.5) * per_voxel});
-      low[a] += least;
-      high[a] += most;
-    }
-  }
-  return {low, high};
-}
-
 /// Text with grid, sizes and the tree of structures.
 PrintableText info_text(const Atlas& atlas) {
   PrintableText text;
@@ -77,7 +59,8 @@ PrintableText info_text(const Atlas& atlas) {
   text.add("grid      {} x {} x {} voxels of {:g} x {:g} x {:g} mm, values {}\n", grid.size[0], grid.size[1],
            grid.size[2], grid.spacing_mm[0], grid.spacing_mm[1], grid.spacing_mm[2],
            name_of(atlas.value_type()));
-  const auto [low, high] = extent_lps_mm(grid);
+  const auto [low, high] =
+      box_lps_mm(grid, {0, 0, 0}, {grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1});
   text.add("extent    left {:.1f} to {:.1f}, posterior {:.1f} to {:.1f}, superior {:.1f} to {:.1f} mm\n",
            low[0], high[0], low[1], high[1], low[2], high[2]);
   text.add("classes   {}\nruns      x {}, y {}, z {}\nsections ", atlas.classes().size(),

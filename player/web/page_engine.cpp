@@ -39,26 +39,6 @@ Json drawn_json(const Selection& selection) {
   return json;
 }
 
-Json stats_json(const RenderStats& stats) {
-  return {{"volume_voxels", stats.volume_voxels},
-          {"surface_voxels", stats.surface_voxels},
-          {"hybrid_voxels", stats.hybrid_voxels},
-          {"runs_visited", stats.runs_visited},
-          {"voxels_visited", stats.voxels_visited},
-          {"triangles", stats.triangles},
-          {"level", stats.level},
-          {"surface_level", stats.surface_level},
-          {"ms",
-           {{"select", stats.select_ms},
-            {"decode", stats.decode_ms},
-            {"render", stats.render_ms},
-            {"traversal", stats.traversal.wall_ms},
-            {"rasterize", stats.rasterize.wall_ms},
-            {"sheets", stats.sheets.wall_ms},
-            {"resolve", stats.resolve.wall_ms},
-            {"depth_cue", stats.depth_cue.wall_ms}}}};
-}
-
 Json pick_json(const std::optional<Pick>& pick, const StructureGraph& graph) {
   if (!pick) return nullptr;
   return {{"index", pick->structure},
@@ -172,11 +152,6 @@ struct PageEngine::Call {
     return text != request.end() && engine.selected_ != text->get_ref<const std::string&>();
   }
 
-  Result<Json> drawn() const {
-    SPLATLAS_ASSIGN_OR_RETURN(const Renderer* const renderer, this->renderer());
-    return drawn_json(renderer->selection());
-  }
-
   Result<Json> fit_camera() const {
     SPLATLAS_ASSIGN_OR_RETURN(Renderer* const renderer, this->renderer());
     SPLATLAS_ASSIGN_OR_RETURN(const PageState state, page_state_of(request));
@@ -240,8 +215,6 @@ struct PageEngine::Call {
     if (name == "labels") return labels();
     if (name == "fit") return fit_camera();
     if (name == "select") return select();
-    if (name == "drawn") return drawn();
-    if (name == "stats") return stats_json(engine.frame_.stats);
     if (name == "open") return open();
     if (name == "openRemote") return open_remote();
     if (name == "wanted") return wanted();

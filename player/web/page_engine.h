@@ -39,8 +39,6 @@ class PageEngine {
   ///   give {offset}               adds `bytes` as a piece of the file. ""
   ///   info                        the document of `splatlas-player info --json`
   ///   select {select}             selects by a text (format/content/selection.h). An array of warnings
-  ///   drawn                       mode, opacity and colour of each structure: [["surface", 0.4, "#c0392b"],
-  ///                               ["off"], ...]; the opacity is null where it is the default
   ///   fit {state}                 the camera that shows the selection, or its part in a structure
   ///   draw {state}                draws. {camera, warnings, missing, ms, drawn for the first one of a
   ///   selection} pick {at}                   the structure at [x, y] of the latest picture, and its point;

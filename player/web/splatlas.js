@@ -176,26 +176,6 @@ class Splatlas {
     return this.#call('select', {select: text});
   }
 
-  /** Mode, opacity and colour of every structure in the selection, by index.
-   * @returns {Array[]} ['surface', 0.4, '#c0392b'] or ['off']; a surface
-   *   may be a 'ghost'; the opacity is null where it is the default */
-  drawn() {
-    return this.#call('drawn');
-  }
-
-  /** Shows a scene of the atlas, as `splatlas-player render --scene`: selects, cuts, turns and fits the camera.
-   * @param {number} n index in info().scenes
-   * @returns {object} the scene, with `warnings` */
-  scene(n, width, height) {
-    const scene = this.info().scenes[n];
-    if (!scene) throw new SplatlasError('not-found', `scene ${n}: there is none`);
-    const warnings = this.select(scene.select);
-    this.cut(scene.cuts);
-    this.camera = {azimuth: scene.azimuth, elevation: scene.elevation};
-    this.camera = this.fitted(this.#state([width, height], {zoom: scene.zoom, center: scene.center}));
-    return {...scene, warnings};
-  }
-
   /** Changes the camera: azimuth and elevation in degrees, zoom (1: the atlas fills the picture), center in LPS mm or
    * null for that of the atlas, projection 'parallel' or 'perspective', fieldOfView in degrees. What is not given stays.
    * @param {object} camera */
@@ -240,7 +220,9 @@ class Splatlas {
 
   /** Renders a state, whatever was set before: select, camera, cuts, size, quality and the options. Other than the
    * camera of view(), that of a state may have `fit`: {structure, zoom, center, size} fits it first.
-   * @returns {object} as render(), with the camera and ms, and with warnings and drawn() for the first picture of a selection */
+   * @returns {object} as render(), with the camera and ms, and for the first picture of a selection
+   *   with warnings and `drawn`, by the index of structures: ['surface', 0.4, '#c0392b'], ['ghost', null, ...] or
+   *   ['off']; the opacity is null where it is the default */
   draw(state) {
     this.#values = 0;
     const answer = this.#call('draw', state);
@@ -267,11 +249,6 @@ class Splatlas {
    *   casing color] and texts [text, x, baseline, size, color], in pixels */
   labels(options) {
     return this.#call('labels', options);
-  }
-
-  /** Counts and times, in ms, of the latest picture. @returns {object} */
-  stats() {
-    return this.#call('stats');
   }
 
   #state(size, fit = null) {

@@ -57,9 +57,9 @@ async function checkPictures(module, folder) {
 function checkScenes(splatlas, lesson) {
   splatlas.open(lesson);
   const size = [160, 120];
-  splatlas.info().scenes.forEach((scene, n) => {
-    splatlas.scene(n, ...size);
-    splatlas.render(...size);
+  splatlas.info().scenes.forEach(scene => {
+    const camera = {azimuth: scene.azimuth, elevation: scene.elevation, fit: {zoom: scene.zoom, center: scene.center}};
+    splatlas.draw({select: scene.select, cuts: scene.cuts, camera, size});
     const floats = splatlas.floats();
     assert(floats.some(value => value > 0), scene.name);
     splatlas.select(scene.select);

@@ -109,7 +109,7 @@ TEST_F(PageServerTest, AdmitsItsOwnPageAlone) {
 TEST_F(PageServerTest, RefusesWhatIsMalformed) {
   const auto page = open_page();
   std::minstd_rand random(5);
-  const std::string good = post("/call" + query("&page=p&worker=0"), R"({"call": "stats"})");
+  const std::string good = post("/call" + query("&page=p&worker=0"), R"({"call": "wanted"})");
   for (int n = 0; n < 1000; ++n) {
     std::string bytes = n % 2 == 0 ? good : good.substr(0, random() % good.size());
     for (int change = 0; change < 3 && !bytes.empty(); ++change)
@@ -134,7 +134,7 @@ TEST_F(PageServerTest, RefusesWhatIsMalformed) {
   const std::string large(std::size_t{2} << 20, ' ');
   EXPECT_NE(reply_to(port(), post("/call" + query("&page=p&worker=0"), large)).status, 200);
   EXPECT_NE(get("/" + query("&more=" + large), own_host()).status, 200);
-  EXPECT_EQ(call(2, R"({"call": "stats"})").http, 410);
+  EXPECT_EQ(call(2, R"({"call": "wanted"})").http, 410);
   EXPECT_EQ(get("/" + query(), own_host()).status, 200);
 }
 
@@ -192,15 +192,15 @@ TEST_F(PageServerTest, ADraftEndsTheRefinement) {
 }
 
 TEST_F(PageServerTest, APageIsOpenAsLongAsItsStream) {
-  EXPECT_EQ(call(0, R"({"call": "stats"})").http, 410);
+  EXPECT_EQ(call(0, R"({"call": "wanted"})").http, 410);
   EXPECT_FALSE(server_->is_left());
   auto page = open_page();
-  EXPECT_EQ(call(0, R"({"call": "stats"})").http, 200);
+  EXPECT_EQ(call(0, R"({"call": "wanted"})").http, 200);
   EXPECT_EQ(get("/alive" + query("&page=p"), own_host()).status, 409);
   page.reset();
-  while (call(0, R"({"call": "stats"})").http == 200) std::this_thread::yield();
+  while (call(0, R"({"call": "wanted"})").http == 200) std::this_thread::yield();
   const auto again = open_page();
-  EXPECT_EQ(call(0, R"({"call": "stats"})").http, 200);
+  EXPECT_EQ(call(0, R"({"call": "wanted"})").http, 200);
 }
 
 TEST(Door, HasATokenOfItsOwn) {
