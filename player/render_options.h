@@ -121,7 +121,7 @@ struct RenderStats {
   ///   - rasterize: surfaces to fragments, or to pixels.
   ///   - sheets: splatting and compositing of sheets, or ray casting.
   ///   - resolve: warps the sheet and composites fragments.
-  ///   - ids: id image, from the shares of structures that the other stages accumulate.
+  ///   - ids: id image. Rays accumulate its shares while they draw the volume; here for sheets.
   ///   - depth_cue: depth map, if asked for or needed, and darkening.
   Elapsed traversal, rasterize, sheets, resolve, ids, depth_cue;
 };

@@ -113,12 +113,13 @@ struct Renderer::Impl {
     return render_sheets(call, frame);
   }
 
-  /// Memory that the picture and the decoded parts leave for spans; an eighth of all at least, as the decoded
-  /// parts cannot take less.
-  [[nodiscard]] std::uint64_t memory_for_spans(const RenderOptions& options) const {
+  /// Memory that the picture, the decoded parts and the ray volume leave for spans; an eighth of all at
+  /// least, as these cannot take less.
+  [[nodiscard]] std::uint64_t memory_for_spans(const RenderOptions& options) {
     const auto all =
         static_cast<std::uint64_t>(std::min(max_memory(), static_cast<double>(max_memory_bytes)));
-    return std::max(all - std::min(frame_bytes(options) + decoded.cache().bytes(), all), all / 8);
+    const std::uint64_t of_rays = walks_rays(options) ? rays.volume().bytes() : 0;
+    return std::max(all - std::min(frame_bytes(options) + decoded.cache().bytes() + of_rays, all), all / 8);
   }
 
   /// Fits a camera to the selection, or to its part in some structures.
@@ -148,7 +149,7 @@ struct Renderer::Impl {
   /// Renders by shear-warp factorisation: parallel projection, pre-classification.
   [[nodiscard]] Result<void> render_sheets(const FrameCall& call, Frame& frame) {
     const auto& [view, options, overrides, task] = call;
-    rays.clear();
+    if (!walks_rays(options)) rays.clear();
     SPLATLAS_ASSIGN_OR_RETURN(const Shear shear, shear_of(view.plane, atlas->grid(), overrides));
 
     // Decode the selection along the principal axis
@@ -158,14 +159,20 @@ struct Renderer::Impl {
                               }));
     Stopwatch watch;
 
+    // Build the ray volume of ids and depths first: the spans take the memory that it leaves
+    task.begin_stage(kPrepared, walks_rays(options) ? 6 : 2);
+    if (walks_rays(options)) SPLATLAS_RETURN_IF_ERROR(require_walk(call));
+    const Elapsed of_walk = watch.lap();
+    stats.select_ms += of_walk.wall_ms;
+
     // Merge runs to spans, and light them
-    task.begin_stage(kPrepared, 2);
     const Lighting lighting(view.plane);
     const double select_ms = stats.select_ms;
     const SheetVolume volume = by_blocks ? spans.prepare_blocks(view.plane, shear.principal,
                                                                 options.hybrid_shading, lighting, stats, pool)
                                          : spans.prepare(span_source(options), view.plane, shear, lighting,
                                                          options, memory_for_spans(options), stats, pool);
+    stats.traversal += of_walk;
 
     // Rasterise surfaces, render sheets, resolve both into the picture
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache(), stats.surface_level);
@@ -177,6 +184,19 @@ struct Renderer::Impl {
     spans.took(stats, options);
     decoded.took(stats, options);
     return {};
+  }
+
+  /// Prepares the ray volume of the ids and depths of a picture by sheets. kLimit if it takes too much
+  /// memory.
+  [[nodiscard]] Result<void> require_walk(const FrameCall& call) {
+    RenderOptions unlit = call.options;
+    unlit.hybrid_shading = false;
+    if (!rays.fits(unlit)) spans.clear();
+    Result<void> built = rays.require(call.view, unlit, *atlas, drawn, decoded.cache(),
+                                      max_memory_bytes - frame_bytes(unlit), pool);
+    if (!built && built.error().code == ErrorCode::kLimit)
+      built.error().message += ", or render without ids, depth map and depth cue";
+    return built;
   }
 
   /// Renders by ray casting: perspective projection or post-classification.
@@ -231,6 +251,8 @@ struct Renderer::Impl {
     const bool waits = decoded.waits_for_values(drawn.plan(), voxel_pixels, options, pool);
     if (waits) SPLATLAS_RETURN_IF_ERROR(decode(axis, options, VoxelParts::kNone, stats.surface_level));
     const bool by_blocks = waits && require_blocks();
+    if (!by_blocks && walks_rays(options))
+      SPLATLAS_RETURN_IF_ERROR(decode(Axis::kZ, options, parts_of(options), stats.surface_level));
     if (!by_blocks) SPLATLAS_RETURN_IF_ERROR(decode(axis, options, parts_of(options), stats.surface_level));
     stats.decode_ms = std::exchange(fit_decode_ms, 0) + watch.lap().wall_ms;
     return by_blocks;
@@ -254,7 +276,7 @@ struct Renderer::Impl {
             atlas,        decoded.cache(),     options.hybrid_shading};
   }
   [[nodiscard]] FrameScene scene_of(const FrameCall& call, std::span<const SurfaceDraw> surfaces,
-                                    const Lighting& lighting) const {
+                                    const Lighting& lighting) {
     return {.surfaces = surfaces,
             .view = call.view,
             .grid = atlas->grid(),
@@ -263,7 +285,7 @@ struct Renderer::Impl {
             .overrides = call.overrides,
             .max_memory_bytes = max_memory_bytes,
             .faces = faces.faces(),
-            .numbers = drawn.numbers()};
+            .walked = walks_rays(call.options) ? &rays.volume() : nullptr};
   }
 
   /// Runs the stages of a frame.

@@ -154,12 +154,12 @@ TEST(Renderer, LooksPastTheAtlas) {
   }
 }
 
-/// The same pixels, ids, depths and picks as with all spans at once.
+/// The same pixels, ids, depths and picks as with all spans at once. Ids and depths need the ray volume.
 TEST(Renderer, DrawsVolumesBeyondItsMemoryInStrips) {
   const AtlasContent content = phantom_content();
   const Selection selection = selection_of("Spheres", content.graph);
   Renderer ample = renderer_of(content, selection);
-  Renderer small(open_in_memory(content), {2, std::uint64_t{5} << 18});
+  Renderer small(open_in_memory(content), {2, std::uint64_t{5} << 19});
   ASSERT_TRUE(small.select(selection));
   for (const Quality quality : {Quality::kDraft, Quality::kNormal}) {
     for (const Camera& camera :

@@ -18,8 +18,9 @@ struct IdReport {
 /// Renders the scene with ids, several times, and compares:
 ///   - pictures with and without ids: equal bits;
 ///   - ids of 1, 2 and 8 threads: equal;
-///   - each pixel's share in the reference is at least the largest one less 1e-3. References are the discrete
-///     model for sheets, also of antialiased pixels, and exact rays for rays at high quality, one a pixel.
+///   - pixels below the threshold of opacity: no number;
+///   - at high quality, one ray a pixel: each pixel's share along the exact ray is at least the largest one
+///     less 1e-3.
 [[nodiscard]] IdReport check_ids(const RandomScene& scene);
 
 }  // namespace splatlas

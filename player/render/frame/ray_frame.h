@@ -25,16 +25,16 @@ class RayFrame : public FrameRenderer {
   [[nodiscard]] Result<RasterScene> raster_scene_of_view() const override;
   [[nodiscard]] Result<void> begin_volume(Picture& picture) override;
   [[nodiscard]] Result<void> resolve(const PixelBox& region, Picture& picture) override;
-  void finish_ids(const Picture& picture) override;
-  void add_volume_depths(const ViewDepth& view_depth) override;
   [[nodiscard]] int level() const override { return of_volume_.level; }
   [[nodiscard]] std::uint64_t voxels() const override { return of_volume_.volume.voxels(); }
   [[nodiscard]] std::optional<Axis> slice_axis() const override { return std::nullopt; }
 
   RayScene of_volume_;
-  const MarchKernels& kernels_;
   CastOptions options_;
 };
+
+/// Rays per pixel, and steps per slab and error tolerance of ray marching at the quality of the options.
+[[nodiscard]] CastOptions cast_options(const FrameScene& scene, const Grid& grid);
 
 /// Width of a voxel in picture pixels, for the choice of levels: in the plane of the centre, but at least
 /// half of that at the corner of the grid nearest to the eye; infinite if the grid reaches behind the eye.

@@ -31,9 +31,8 @@ struct SpanSource {
 /// The volume of a frame by sheets: spans of the voxels, or of downsampled ones.
 struct SheetVolume {
   SheetSpans spans;
-  const SelectedRuns* runs;  ///< of the spans; null if downsampled
-  Shear shear;               ///< of `grid`
-  Grid grid;                 ///< of the spans
+  Shear shear;  ///< of `grid`
+  Grid grid;    ///< of the spans
   VolumeDetail detail;
 };
 

@@ -54,8 +54,15 @@ class BlockCaster {
  public:
   /// References must outlive this object.
   BlockCaster(const RayVolume& volume, const PixelRays& rays, const MarchScene& scene,
-              const CastOptions& options, const MarchKernels& kernels, Picture& picture)
-      : volume_(volume), rays_(rays), scene_(scene), options_(options), kernels_(kernels), picture_(picture) {
+              const CastOptions& options, const MarchKernels& kernels, const PictureSize& size,
+              Picture* picture)
+      : volume_(volume),
+        rays_(rays),
+        scene_(scene),
+        options_(options),
+        kernels_(kernels),
+        picture_(picture),
+        size_(size) {
     if (options.ids != nullptr) shares_.emplace(volume);
   }
 
@@ -67,12 +74,12 @@ class BlockCaster {
     const float weight = 1.0f / static_cast<float>(block.grid.count());
     for (std::size_t n = 0; n < kPacketRays; ++n) {
       const int x = left + static_cast<int>(n) % kBlockSide, y = top + static_cast<int>(n) / kBlockSide;
-      if (x >= picture_.size.width || y >= picture_.size.height) continue;
+      if (x >= size_.width || y >= size_.height) continue;
       const std::size_t pixel = pixel_at(x, y);
       // Without ends, the picture is empty
       const float transmittance = 1 - weight * rgba_[n][3];
-      for (std::size_t c = 0; c < 4; ++c) {
-        float& out = picture_.rgba[4 * pixel + c];
+      for (std::size_t c = 0; picture_ != nullptr && c < 4; ++c) {
+        float& out = picture_->rgba[4 * pixel + c];
         out = weight * rgba_[n][c] + transmittance * out;
       }
       if (shares_) store_id(pixel, of_pixels_[n], weight);
@@ -81,13 +88,12 @@ class BlockCaster {
 
  private:
   [[nodiscard]] std::size_t pixel_at(int x, int y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(picture_.size.width) +
-           static_cast<std::size_t>(x);
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.width) + static_cast<std::size_t>(x);
   }
 
   void cast(const RayBlock& block, int number) {
     check_task();
-    const RayPoints points = block.points(number, picture_.size);
+    const RayPoints points = block.points(number, size_);
     RayPacket packet = rays_.through(points);
     if (options_.cuts != nullptr) rays_.clip(*options_.cuts, points, packet);
     if (options_.ends != nullptr || options_.faces != nullptr) end(points, packet);
@@ -137,7 +143,8 @@ class BlockCaster {
   const MarchScene& scene_;
   const CastOptions& options_;
   const MarchKernels& kernels_;
-  Picture& picture_;
+  Picture* picture_;
+  PictureSize size_;
   std::optional<RayShares> shares_;  // with ids
   // Of the pixels of the current block: sums over their rays
   std::array<std::array<float, 4>, kPacketRays> rgba_{};
@@ -147,7 +154,7 @@ class BlockCaster {
 
 /// Casts the rays of all blocks that may show the volume.
 void cast_blocks(const RayVolume& volume, const View& view, const Grid& grid, const CastOptions& options,
-                 const MarchKernels& kernels, Picture& picture, ThreadPool& pool) {
+                 const MarchKernels& kernels, Picture* picture, ThreadPool& pool) {
   const PixelRays rays(view, grid, volume.first(), options.principal_axis);
   const MarchScene scene = march_scene(volume, options);
   const PixelBox shown = shown_box(volume, view, grid);
@@ -161,7 +168,7 @@ void cast_blocks(const RayVolume& volume, const View& view, const Grid& grid, co
     const int top = shown.top + static_cast<int>(n / static_cast<std::size_t>(columns)) * height;
     const int right = std::min(left + width, shown.right);
     const int bottom = std::min(top + height, shown.bottom);
-    BlockCaster caster(volume, rays, scene, options, kernels, picture);
+    BlockCaster caster(volume, rays, scene, options, kernels, view.plane.size, picture);
     for (int y = top; y < bottom; y += kBlockSide) {
       for (int x = left; x < right; x += kBlockSide) caster.render(x, y);
     }
@@ -195,15 +202,15 @@ MarchScene march_scene(const RayVolume& volume, const CastOptions& options) {
 }
 
 void cast_rays(const RayVolume& volume, const View& view, const Grid& grid, const CastOptions& options,
-               const MarchKernels& kernels, Picture& picture, ThreadPool& pool) {
+               const MarchKernels& kernels, Picture* picture, ThreadPool& pool) {
   const PictureSize size = view.plane.size;
-  picture.size = size;
-  if (options.ends == nullptr)
-    picture.rgba.assign(4 * static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height),
-                        0.0f);
+  if (picture != nullptr) picture->size = size;
+  if (picture != nullptr && options.ends == nullptr)
+    picture->rgba.assign(4 * static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height),
+                         0.0f);
   if (options.ids != nullptr) begin_ids(size, options.faces, *options.ids);
   if (!volume.empty()) cast_blocks(volume, view, grid, options, kernels, picture, pool);
-  if (options.faces != nullptr) add_faces(*options.faces, picture, pool);
+  if (picture != nullptr && options.faces != nullptr) add_faces(*options.faces, *picture, pool);
 }
 
 }  // namespace splatlas

@@ -44,7 +44,8 @@ struct CastOptions {
 /// Renders the volume. Each ray is sampled at the planes of voxels normal to its principal axis, and in
 /// between as the tolerance requires. In perspective it begins at the eye, which may lie inside the volume.
 /// Packets are 4x4 neighbouring rays. Pictures do not depend on the number of threads.
+/// `picture`: null to find the ids alone.
 void cast_rays(const RayVolume& volume, const View& view, const Grid& grid, const CastOptions& options,
-               const MarchKernels& kernels, Picture& picture, ThreadPool& pool);
+               const MarchKernels& kernels, Picture* picture, ThreadPool& pool);
 
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-// Depths of volumes in frames of rays.
+// Depths of volumes.
 #pragma once
 
 #include "format/tasks/thread_pool.h"

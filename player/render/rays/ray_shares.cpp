@@ -32,7 +32,7 @@ void RayShares::take() {
       const float rise = step.opacity[ray] - seen_[ray];
       if (!(rise > 0)) continue;
       seen_[ray] = step.opacity[ray];
-      add(ray, rise, step.middle[ray]);
+      add(ray, rise, 0.5f * (step.from[ray] + step.to[ray]));
     }
   }
   trace_.count = 0;
