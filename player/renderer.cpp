@@ -187,15 +187,16 @@ struct Renderer::Impl {
   }
 
   /// Prepares the ray volume of the ids and depths of a picture by sheets. kLimit if it takes too much
-  /// memory.
+  /// memory; for the depth cue alone, blocks of voxels then stand in for it.
   [[nodiscard]] Result<void> require_walk(const FrameCall& call) {
     RenderOptions unlit = call.options;
     unlit.hybrid_shading = false;
     if (!rays.fits(unlit)) spans.clear();
-    Result<void> built = rays.require(call.view, unlit, *atlas, drawn, decoded.cache(),
-                                      max_memory_bytes - frame_bytes(unlit), pool);
-    if (!built && built.error().code == ErrorCode::kLimit)
-      built.error().message += ", or render without ids, depth map and depth cue";
+    const std::uint64_t max_bytes = max_memory_bytes - frame_bytes(unlit);
+    Result<void> built = rays.require(call.view, unlit, *atlas, drawn, decoded.cache(), max_bytes, pool);
+    if (built || built.error().code != ErrorCode::kLimit) return built;
+    if (!unlit.ids && !unlit.depths && rays.require_blocks(unlit, atlas, drawn, max_bytes, pool)) return {};
+    built.error().message += ", or render without ids, depth map, outlines and depth cue";
     return built;
   }
 
@@ -227,8 +228,7 @@ struct Renderer::Impl {
     // Rasterise surfaces, cast rays, resolve both into the picture
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache(), stats.surface_level);
     const FrameScene scene = scene_of(call, surfaces, lighting);
-    const RayScene of_volume{rays.volume(), coarse_grid(atlas->grid(), stats.level), stats.level};
-    RayFrame stages(scene, of_volume, buffers, stats, pool);
+    RayFrame stages(scene, ray_scene(), buffers, stats, pool);
     SPLATLAS_RETURN_IF_ERROR(run_stages(stages, kRayLoops, call, frame));
     stats.runs_visited = rays.volume().runs();
     stats.render_ms = light.wall_ms + watch.lap().wall_ms;
@@ -275,6 +275,9 @@ struct Renderer::Impl {
     return {drawn.plan(), drawn.appearances(), drawn.selection(),
             atlas,        decoded.cache(),     options.hybrid_shading};
   }
+  [[nodiscard]] RayScene ray_scene() {
+    return {rays.volume(), coarse_grid(atlas->grid(), rays.level()), rays.level()};
+  }
   [[nodiscard]] FrameScene scene_of(const FrameCall& call, std::span<const SurfaceDraw> surfaces,
                                     const Lighting& lighting) {
     return {.surfaces = surfaces,
@@ -285,7 +288,7 @@ struct Renderer::Impl {
             .overrides = call.overrides,
             .max_memory_bytes = max_memory_bytes,
             .faces = faces.faces(),
-            .walked = walks_rays(call.options) ? &rays.volume() : nullptr};
+            .walked = walks_rays(call.options) ? std::optional(ray_scene()) : std::nullopt};
   }
 
   /// Runs the stages of a frame.

@@ -6,7 +6,7 @@
 
 #include "format/tasks/task_control.h"
 #include "player/render/frame/frame_renderer.h"
-#include "player/render/rays/ray_depths.h"
+#include "player/render/rays/cast_rays.h"
 #include "player/render_options.h"
 #include "tests/player/prepared_selection.h"
 #include "tests/support/render.h"
@@ -128,8 +128,8 @@ TEST(DepthCueOfFrames, VolumesLieAtTransmittanceOneHalf) {
     const ViewDepth view_depth(view, grid);
     DepthMap of_rays;
     of_rays.clear(size);
-    add_ray_depths(prepared.rays(Classification::kBefore), view, grid, best_march(), nullptr, view_depth,
-                   of_rays, pool);
+    cast_rays(prepared.rays(Classification::kBefore), view, grid, {.depths = &of_rays}, best_march(), nullptr,
+              pool);
     for (int y = 0; y < size.height; ++y) {
       for (int x = 0; x < size.width; ++x) {
         const auto n = static_cast<std::size_t>(y * size.width + x);

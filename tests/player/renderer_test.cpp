@@ -159,7 +159,7 @@ TEST(Renderer, DrawsVolumesBeyondItsMemoryInStrips) {
   const AtlasContent content = phantom_content();
   const Selection selection = selection_of("Spheres", content.graph);
   Renderer ample = renderer_of(content, selection);
-  Renderer small(open_in_memory(content), {2, std::uint64_t{5} << 19});
+  Renderer small(open_in_memory(content), {2, std::uint64_t{5} << 18});
   ASSERT_TRUE(small.select(selection));
   for (const Quality quality : {Quality::kDraft, Quality::kNormal}) {
     for (const Camera& camera :
@@ -180,6 +180,28 @@ TEST(Renderer, DrawsVolumesBeyondItsMemoryInStrips) {
         EXPECT_TRUE(!pick || pick->structure == same->structure);
       }
     }
+  }
+}
+
+/// Without memory for the ray volume, the depth cue is that of blocks.
+TEST(Renderer, RefusesIdsAndDepthsBeyondItsMemory) {
+  const AtlasContent content = phantom_content();
+  Renderer renderer(open_in_memory(content), {2, std::uint64_t{5} << 17});
+  ASSERT_TRUE(renderer.select(selection_of("Spheres", content.graph)));
+  RenderOptions options{.size = {90, 70}};
+  const Frame plain = frame_or_throw(renderer, {}, options);
+  EXPECT_TRUE(plain.stats.strips);
+  for (bool RenderOptions::*const asked : {&RenderOptions::ids, &RenderOptions::depths}) {
+    options.*asked = true;
+    const auto refused = renderer.render({}, options);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
+    EXPECT_THAT(refused.error().message, testing::EndsWith("without ids, depth map, outlines and depth cue"));
+    options.*asked = false;
+    options.depth_cue = DepthCue::kEdges;
+    EXPECT_NE(frame_or_throw(renderer, {}, options).picture.rgba, plain.picture.rgba);
+    options.depth_cue = DepthCue::kNone;
+    EXPECT_EQ(frame_or_throw(renderer, {}, options).picture.rgba, plain.picture.rgba);
   }
 }
 

@@ -10,7 +10,6 @@
 #include "player/render/frame/draft_pace.h"
 #include "player/render/frame/stopwatch.h"
 #include "player/render/rays/cast_surfaces.h"
-#include "player/render/rays/ray_depths.h"
 
 namespace splatlas {
 namespace {
@@ -260,8 +259,6 @@ void FrameRenderer::finish_depths(Picture& picture) {
   if (needs_depths()) {
     const ViewDepth view_depth(scene_.view, scene_.grid);
     add_face_depths(buffers_.faces, shown(), view_depth, buffers_.depths, pool_);
-    add_ray_depths(*scene_.walked, scene_.view, scene_.grid, kernels(), cuts(), view_depth, buffers_.depths,
-                   pool_);
     for (std::size_t n = 0; n < buffers_.depths.mm.size(); ++n) {
       if (picture.rgba[4 * n + 3] < kMinIdOpacity) buffers_.depths.mm[n] = DepthMap::kBackground;
     }

@@ -15,6 +15,7 @@
 #include "player/render/contributions/shown_frame.h"
 #include "player/render/depth_cue/depth_edges.h"
 #include "player/render/frame/render_overrides.h"
+#include "player/render/rays/cast_rays.h"
 #include "player/render/rays/march_kernels.h"
 #include "player/render/rays/volume/ray_volume.h"
 #include "player/render/sheets/fragment_order.h"
@@ -50,6 +51,13 @@ struct FrameBuffers {
   DepthMap depths;
 };
 
+/// The volume of a frame by rays.
+struct RayScene {
+  const RayVolume& volume;
+  Grid grid;      ///< of the volume
+  int level = 0;  ///< of the grid: voxels, or blocks of 2^level voxels along each axis
+};
+
 /// Scene and options of a frame, without its volume. All references must outlive the frame.
 struct FrameScene {
   std::span<const SurfaceDraw> surfaces;
@@ -60,7 +68,7 @@ struct FrameScene {
   const RenderOverrides& overrides;
   std::uint64_t max_memory_bytes = 0;               ///< limit; fragments may take half of it
   std::shared_ptr<const CutFaces> faces = nullptr;  ///< of the cuts of the options; null: none
-  const RayVolume* walked = nullptr;                ///< for ids and depths; may be null without walks_rays()
+  std::optional<RayScene> walked = std::nullopt;    ///< for ids and depths of sheets; with walks_rays()
 };
 
 /// True if the faces of cuts are drawn.

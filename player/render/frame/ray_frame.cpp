@@ -61,6 +61,7 @@ Result<void> RayFrame::begin_volume(Picture& picture) {
   options_.cuts = cuts();
   options_.faces = faces();
   if (scene_.options.ids) options_.ids = &buffers_.ids;
+  if (needs_depths()) options_.depths = &buffers_.depths;
   const RayEnds ends{buffers_.surface_depths, *raster_};
   CastOptions options = options_;
   if (ends_at_surfaces()) options.ends = &ends;

@@ -4,18 +4,10 @@
 #include <optional>
 
 #include "player/render/frame/frame_renderer.h"
-#include "player/render/rays/cast_rays.h"
 
 namespace splatlas {
 
-/// The volume of a frame by rays.
-struct RayScene {
-  const RayVolume& volume;  ///< lit
-  Grid grid;                ///< of the volume
-  int level = 0;            ///< of the grid: voxels, or blocks of 2^level voxels along each axis
-};
-
-/// The volume must outlive the frame.
+/// The volume must be lit, and outlive the frame.
 class RayFrame : public FrameRenderer {
  public:
   RayFrame(const FrameScene& scene, const RayScene& of_volume, FrameBuffers& buffers, RenderStats& stats,

@@ -31,17 +31,20 @@ Result<void> RayStore::require_voxels(const RenderOptions& options, const Atlas&
                                       const ClassCache& cache, std::uint64_t max_memory_bytes,
                                       ThreadPool& pool) {
   if (!fits(options)) {
+    if (!by_blocks_) clear();  // blocks are small, and serve again if the voxels do not fit
+    SPLATLAS_ASSIGN_OR_RETURN(RayVolume built,
+                              RayVolume::build({.atlas = atlas,
+                                                .selection = drawn.selection(),
+                                                .plan = drawn.plan(),
+                                                .appearances = drawn.appearances().appearances(),
+                                                .runs = runs,
+                                                .cache = cache,
+                                                .classification = options.classification,
+                                                .shade = options.hybrid_shading,
+                                                .max_memory_bytes = max_memory_bytes},
+                                               pool));
     clear();
-    SPLATLAS_ASSIGN_OR_RETURN(volume_, RayVolume::build({.atlas = atlas,
-                                                         .selection = drawn.selection(),
-                                                         .plan = drawn.plan(),
-                                                         .appearances = drawn.appearances().appearances(),
-                                                         .runs = runs,
-                                                         .cache = cache,
-                                                         .classification = options.classification,
-                                                         .shade = options.hybrid_shading,
-                                                         .max_memory_bytes = max_memory_bytes},
-                                                        pool));
+    volume_ = std::move(built);
   }
   if (!options.ids || volume_->numbers() != nullptr) return {};
   return volume_->number(runs, drawn.numbers(), pool);

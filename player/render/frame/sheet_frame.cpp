@@ -20,6 +20,8 @@ namespace {
 
 /// Maximum number of sheet pixels (2 GiB). Larger sheets get a lower resolution.
 constexpr std::int64_t kMaxSheetPixels = std::int64_t{1} << 27;
+/// Opacity at the depth of a ray: those for depths alone end there.
+constexpr float kDepthOpacity = 0.5f;
 
 /// True if a typical selected voxel can be opaque: an optical depth of at least 1. Sharp edges need finer
 /// sheets to be independent of the principal axis.
@@ -100,17 +102,25 @@ Result<RasterScene> SheetFrame::raster_scene_of_view() const {
 Result<void> SheetFrame::begin_volume(Picture& picture) {
   SPLATLAS_ASSIGN_OR_RETURN(
       window_, choose_window(volume_, sampling_of(volume_, scene_.options.quality), picture.size, planes()));
-  if (!scene_.options.ids) return {};
+  if (scene_.walked) walk(*scene_.walked);
+  return {};
+}
+
+/// Finds the depths, and the ids where the volume alone shows. One step a slab suffices but in high quality.
+void SheetFrame::walk(const RayScene& scene) {
   Stopwatch watch;
-  walk_ = cast_options(scene_, scene_.grid);
-  if (scene_.options.quality == Quality::kNormal) walk_.max_steps = 1, walk_.tolerance = 0;
-  walk_.termination_threshold = scene_.options.termination_threshold.value_or(kMinIdOpacity);
+  const RenderOptions& options = scene_.options;
+  walk_ = cast_options(scene_, scene.grid);
+  if (options.quality == Quality::kNormal) walk_.max_steps = 1, walk_.tolerance = 0;
+  if (!options.ids) walk_.rays = {};
+  walk_.termination_threshold =
+      options.ids ? options.termination_threshold.value_or(kMinIdOpacity) : kDepthOpacity;
   walk_.cuts = cuts();
   walk_.faces = faces();
-  walk_.ids = &buffers_.ids;
-  cast_rays(*scene_.walked, scene_.view, scene_.grid, walk_, kernels(), nullptr, pool_);
+  walk_.ids = options.ids ? &buffers_.ids : nullptr;
+  walk_.depths = needs_depths() ? &buffers_.depths : nullptr;
+  cast_rays(scene.volume, scene_.view, scene.grid, walk_, kernels(), nullptr, pool_);
   stats_.ids += watch.lap();
-  return {};
 }
 
 Result<void> SheetFrame::resolve(const PixelBox& region, Picture& picture) {
@@ -121,8 +131,8 @@ Result<void> SheetFrame::resolve(const PixelBox& region, Picture& picture) {
                     scene_.overrides.simd ? best_warp() : scalar_warp(), paints_surfaces(), picture, pool_);
   stats_.resolve += watch.lap();
   if (scene_.options.ids) {
-    cast_surfaces(*scene_.walked, scene_.view, scene_.grid, *raster_, buffers_.fragments, walk_, kernels(),
-                  nullptr, pool_);
+    cast_surfaces(scene_.walked->volume, scene_.view, scene_.grid, *raster_, buffers_.fragments, walk_,
+                  kernels(), nullptr, pool_);
   }
   stats_.ids += watch.lap();
   return {};

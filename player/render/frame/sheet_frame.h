@@ -5,7 +5,6 @@
 
 #include "player/render/frame/frame_renderer.h"
 #include "player/render/frame/span_store.h"
-#include "player/render/rays/cast_rays.h"
 #include "player/render/sheets/warp/resolve.h"
 #include "player/render/view/sheet_window.h"
 
@@ -31,12 +30,13 @@ class SheetFrame : public FrameRenderer {
     return {buffers_.fragments, buffers_.order, cuts(), faces()};
   }
 
+  void walk(const RayScene& scene);
   void render_sheet(const SheetWindow& window);
   [[nodiscard]] int level() const override { return volume_.detail.level; }
 
   const SheetVolume& volume_;
   SheetWindow window_;  // of the whole picture
-  CastOptions walk_;    // of the ids
+  CastOptions walk_;    // of ids and depths
 };
 
 }  // namespace splatlas
