@@ -97,29 +97,14 @@ struct Renderer::Impl {
     return {};
   }
 
-  /// True for pictures by ray casting, false for shear-warp factorisation.
-  [[nodiscard]] bool is_by_rays(const View& view, const RenderOptions& options) const {
-    return needs_rays(view, options) ||
-           (!volume_classes(drawn.plan()).empty() && gains_by_rays(view, options));
-  }
-
   [[nodiscard]] Result<void> render(const FrameCall& call, Frame& frame) {
-    stats.rays = is_by_rays(call.view, call.options);
+    stats.rays = draws_by_rays(drawn.plan(), call.view, call.options);
     if (!stats.rays) return render_sheets(call, frame);
     Result<void> rendered = render_rays(call, frame);
     const bool is_too_large = !rendered && rendered.error().code == ErrorCode::kLimit;
     if (needs_rays(call.view, call.options) || !is_too_large) return rendered;
     stats.rays = false;
     return render_sheets(call, frame);
-  }
-
-  /// Memory that the picture, the decoded parts and the ray volume leave for spans; an eighth of all at
-  /// least, as these cannot take less.
-  [[nodiscard]] std::uint64_t memory_for_spans(const RenderOptions& options) {
-    const auto all =
-        static_cast<std::uint64_t>(std::min(max_memory(), static_cast<double>(max_memory_bytes)));
-    const std::uint64_t of_rays = walks_rays(options) ? rays.volume().bytes() : 0;
-    return std::max(all - std::min(frame_bytes(options) + decoded.cache().bytes() + of_rays, all), all / 8);
   }
 
   /// Fits a camera to the selection, or to its part in some structures.
@@ -132,8 +117,9 @@ struct Renderer::Impl {
 
     // Decode the data of the picture; for drafts within a budget no more than tells the extents
     Stopwatch watch;
-    const Axis axis =
-        is_by_rays(frame.view(), options) ? Axis::kZ : factorise(frame.view().plane, atlas->grid()).principal;
+    const Axis axis = draws_by_rays(drawn.plan(), frame.view(), options)
+                          ? Axis::kZ
+                          : factorise(frame.view().plane, atlas->grid()).principal;
     const bool rough = may_be_rough(options);
     const int level = rough ? decoded.quick_level(drawn.plan()) : 0;
     SPLATLAS_RETURN_IF_ERROR(decode(axis, options, rough ? VoxelParts::kRuns : parts_of(options), level));
@@ -161,17 +147,23 @@ struct Renderer::Impl {
 
     // Build the ray volume of ids and depths first: the spans take the memory that it leaves
     task.begin_stage(kPrepared, walks_rays(options) ? 6 : 2);
-    if (walks_rays(options)) SPLATLAS_RETURN_IF_ERROR(require_walk(call));
+    if (walks_rays(options)) {
+      if (!rays.fits_walk()) spans.clear();
+      SPLATLAS_RETURN_IF_ERROR(rays.require_walk(view, options, atlas, drawn, decoded.cache(),
+                                                 max_memory_bytes - frame_bytes(options), pool));
+    }
     const Elapsed of_walk = watch.lap();
     stats.select_ms += of_walk.wall_ms;
 
     // Merge runs to spans, and light them
     const Lighting lighting(view.plane);
     const double select_ms = stats.select_ms;
+    const std::uint64_t memory_for_spans =
+        memory_left(max_memory_bytes, frame_bytes(options) + decoded.cache().bytes() + rays.bytes());
     const SheetVolume volume = by_blocks ? spans.prepare_blocks(view.plane, shear.principal,
                                                                 options.hybrid_shading, lighting, stats, pool)
                                          : spans.prepare(span_source(options), view.plane, shear, lighting,
-                                                         options, memory_for_spans(options), stats, pool);
+                                                         options, memory_for_spans, stats, pool);
     stats.traversal += of_walk;
 
     // Rasterise surfaces, render sheets, resolve both into the picture
@@ -184,20 +176,6 @@ struct Renderer::Impl {
     spans.took(stats, options);
     decoded.took(stats, options);
     return {};
-  }
-
-  /// Prepares the ray volume of the ids and depths of a picture by sheets. kLimit if it takes too much
-  /// memory; for the depth cue alone, blocks of voxels then stand in for it.
-  [[nodiscard]] Result<void> require_walk(const FrameCall& call) {
-    RenderOptions unlit = call.options;
-    unlit.hybrid_shading = false;
-    if (!rays.fits(unlit)) spans.clear();
-    const std::uint64_t max_bytes = max_memory_bytes - frame_bytes(unlit);
-    Result<void> built = rays.require(call.view, unlit, *atlas, drawn, decoded.cache(), max_bytes, pool);
-    if (built || built.error().code != ErrorCode::kLimit) return built;
-    if (!unlit.ids && !unlit.depths && rays.require_blocks(unlit, atlas, drawn, max_bytes, pool)) return {};
-    built.error().message += ", or render without ids, depth map, outlines and depth cue";
-    return built;
   }
 
   /// Renders by ray casting: perspective projection or post-classification.
@@ -228,7 +206,7 @@ struct Renderer::Impl {
     // Rasterise surfaces, cast rays, resolve both into the picture
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache(), stats.surface_level);
     const FrameScene scene = scene_of(call, surfaces, lighting);
-    RayFrame stages(scene, ray_scene(), buffers, stats, pool);
+    RayFrame stages(scene, rays.scene(atlas->grid()), buffers, stats, pool);
     SPLATLAS_RETURN_IF_ERROR(run_stages(stages, kRayLoops, call, frame));
     stats.runs_visited = rays.volume().runs();
     stats.render_ms = light.wall_ms + watch.lap().wall_ms;
@@ -275,9 +253,6 @@ struct Renderer::Impl {
     return {drawn.plan(), drawn.appearances(), drawn.selection(),
             atlas,        decoded.cache(),     options.hybrid_shading};
   }
-  [[nodiscard]] RayScene ray_scene() {
-    return {rays.volume(), coarse_grid(atlas->grid(), rays.level()), rays.level()};
-  }
   [[nodiscard]] FrameScene scene_of(const FrameCall& call, std::span<const SurfaceDraw> surfaces,
                                     const Lighting& lighting) {
     return {.surfaces = surfaces,
@@ -288,7 +263,7 @@ struct Renderer::Impl {
             .overrides = call.overrides,
             .max_memory_bytes = max_memory_bytes,
             .faces = faces.faces(),
-            .walked = walks_rays(call.options) ? std::optional(ray_scene()) : std::nullopt};
+            .walked = walks_rays(call.options) ? std::optional(rays.scene(atlas->grid())) : std::nullopt};
   }
 
   /// Runs the stages of a frame.

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "format/atlas_writer.h"
+#include "player/render/frame/frame_renderer.h"
 #include "player/render/sheets/spans/span_model.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/support/fails_with.h"
@@ -271,6 +272,16 @@ TEST(Renderer, DrawsWithMemoryForFewFragments) {
       EXPECT_EQ(frames[0].depths.mm, frames[1].depths.mm);
     }
   }
+}
+
+/// Rims take the numbers of the pixels beside them, from the inside out.
+TEST(Renderer, NumbersWhatThePictureShows) {
+  Picture picture{{6, 1}, std::vector<float>(24)};
+  const float opacities[] = {0.5f, 0.2f, 0.003f, 0.4f, 0.3f, 0.9f};
+  for (std::size_t n = 0; n < 6; ++n) picture.rgba[4 * n + 3] = opacities[n];
+  IdImage ids{{6, 1}, {0, 0, 8, 0, 0, 7}};
+  fit_ids(picture, ids);
+  EXPECT_EQ(ids.numbers, (std::vector<StructureNumber>{0, 0, 0, 7, 7, 7}));
 }
 
 /// The renderer reuses the memory of a frame: nothing of an earlier id image remains.

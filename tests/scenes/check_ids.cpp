@@ -28,15 +28,15 @@ class IdChecker {
     options.termination_threshold = 0;
     options.antialiasing = false;
     const auto plain = render(options, 1);
-    options.ids = true;
+    options.ids = options.depths = true;
     const auto frame = render(options, 1);
     if (!plain || !frame) return report_;
-    if (plain->picture.rgba != frame->picture.rgba) fault("ids change the picture");
+    if (plain->picture.rgba != frame->picture.rgba) fault("ids and depths change the picture");
     if (!plain->ids.empty()) fault("there are ids that nobody asked for");
     for (const unsigned threads : {2u, 8u}) {
       const auto other = render(options, threads);
-      if (other && other->ids.numbers != frame->ids.numbers)
-        fault(fmt::format("{} threads give other ids", threads));
+      if (other && (other->ids.numbers != frame->ids.numbers || other->depths.mm != frame->depths.mm))
+        fault(fmt::format("{} threads give other ids or depths", threads));
     }
     check_visible(*frame);
     compare(options);
@@ -62,12 +62,14 @@ class IdChecker {
     return std::nullopt;
   }
 
-  /// Only visible pixels have a number.
+  /// Only visible pixels have a number and a depth.
   void check_visible(const Frame& frame) {
     for (std::size_t n = 0; n < frame.ids.numbers.size(); ++n) {
       const float opacity = frame.picture.rgba[4 * n + 3];
-      if (frame.ids.numbers[n] != 0 && opacity < static_cast<float>(kMinOpacity))
-        return fault(fmt::format("pixel {} of opacity {} has number {}", n, opacity, frame.ids.numbers[n]));
+      const bool shows = frame.ids.numbers[n] != 0 || frame.depths.mm[n] != DepthMap::kBackground;
+      if (shows && opacity < static_cast<float>(kMinOpacity))
+        return fault(fmt::format("pixel {} of opacity {} has number {} and depth {}", n, opacity,
+                                 frame.ids.numbers[n], frame.depths.mm[n]));
     }
   }
 

@@ -98,13 +98,14 @@ bool needs_rays(const View& view, const RenderOptions& options) {
   return view.eye_mm || options.classification == Classification::kAfter;
 }
 
-bool gains_by_rays(const View& view, const RenderOptions& options) {
+bool draws_by_rays(const DrawPlan& plan, const View& view, const RenderOptions& options) {
+  if (needs_rays(view, options)) return true;
   constexpr double kEdgeOn = 0.01;
   const auto is_along_view = [&](const CutPlane& cut) {
     const auto& [x, y, z] = cut.normal_lps;
     return std::abs(dot(cut.normal_lps, view.plane.forward_lps)) < kEdgeOn * std::hypot(x, y, z);
   };
-  return options.quality == Quality::kHigh &&
+  return options.quality == Quality::kHigh && !volume_classes(plan).empty() &&
          std::none_of(options.cuts.begin(), options.cuts.end(), is_along_view);
 }
 

@@ -34,7 +34,8 @@ class RayFrame : public FrameRenderer {
 
 /// True for pictures that sheets cannot draw.
 [[nodiscard]] bool needs_rays(const View& view, const RenderOptions& options);
-/// True for pictures of volumes that are better by rays. Rays alias at planes along the view.
-[[nodiscard]] bool gains_by_rays(const View& view, const RenderOptions& options);
+/// True for pictures by ray casting, false for shear-warp factorisation. Rays also draw volumes that are
+/// better by them; they alias at planes along the view.
+[[nodiscard]] bool draws_by_rays(const DrawPlan& plan, const View& view, const RenderOptions& options);
 
 }  // namespace splatlas

@@ -50,6 +50,20 @@ Result<void> RayStore::require_voxels(const RenderOptions& options, const Atlas&
   return volume_->number(runs, drawn.numbers(), pool);
 }
 
+Result<void> RayStore::require_walk(const View& view, const RenderOptions& options,
+                                    const std::shared_ptr<const Atlas>& atlas, const DrawnSelection& drawn,
+                                    const ClassCache& cache, std::uint64_t max_memory_bytes,
+                                    ThreadPool& pool) {
+  RenderOptions unlit = options;
+  unlit.hybrid_shading = false;
+  Result<void> built = require(view, unlit, *atlas, drawn, cache, max_memory_bytes, pool);
+  if (built || built.error().code != ErrorCode::kLimit) return built;
+  if (!options.ids && !options.depths && require_blocks(unlit, atlas, drawn, max_memory_bytes, pool))
+    return {};
+  built.error().message += ", or render without ids, depth map, outlines and depth cue";
+  return built;
+}
+
 bool RayStore::require_blocks(const RenderOptions& options, const std::shared_ptr<const Atlas>& atlas,
                               const DrawnSelection& drawn, std::uint64_t max_memory_bytes, ThreadPool& pool) {
   if (by_blocks_ && volume_->fits(Classification::kBefore, options.hybrid_shading)) return true;

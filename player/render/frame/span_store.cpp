@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "format/tasks/task_control.h"
 #include "player/render/clip/cut_rays.h"
 #include "player/render/frame/stopwatch.h"
 #include "player/render/sheets/splat/block_runs.h"
@@ -76,6 +77,11 @@ double stored_means(const SpanSource& source) {
 }
 
 }  // namespace
+
+std::uint64_t memory_left(std::uint64_t max_memory_bytes, std::uint64_t used) {
+  const auto all = static_cast<std::uint64_t>(std::min(max_memory(), static_cast<double>(max_memory_bytes)));
+  return std::max(all - std::min(used, all), all / 8);
+}
 
 void AxisSpans::require(const SpanSource& source, SelectedRuns runs, ThreadPool& pool) {
   const auto& [plan, appearances, selection, atlas, cache, shade] = source;

@@ -18,6 +18,9 @@
 
 namespace splatlas {
 
+/// Memory that `used` bytes leave for spans; an eighth of all at least, as these cannot be less.
+[[nodiscard]] std::uint64_t memory_left(std::uint64_t max_memory_bytes, std::uint64_t used);
+
 /// Decoded data of a selection, the input of its spans.
 struct SpanSource {
   const DrawPlan& plan;
