@@ -51,7 +51,8 @@ struct IdImage {
 };
 
 /// Depth of each pixel: where the transmittance of its ray falls to one half; kBackground if it stays above.
-/// In mm along the view direction, from the plane through the view's centre. Top row first.
+/// In mm along the view direction, from the plane through the view's centre. kBackground also where the
+/// opacity is below 1/255. Top row first.
 struct DepthMap {
   static constexpr float kBackground = std::numeric_limits<float>::infinity();
   PictureSize size{0, 0};

@@ -121,8 +121,8 @@ struct RenderStats {
   ///   - rasterize: surfaces to fragments, or to pixels.
   ///   - sheets: splatting and compositing of sheets, or ray casting.
   ///   - resolve: warps the sheet and composites fragments.
-  ///   - ids: id image, from the shares of structures that the other stages accumulate.
-  ///   - depth_cue: depth map, if asked for or needed, and darkening.
+  ///   - ids: walk of rays for ids and depths beside sheets. Pictures by rays find both on the way.
+  ///   - depth_cue: darkening.
   Elapsed traversal, rasterize, sheets, resolve, ids, depth_cue;
 };
 

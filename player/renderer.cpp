@@ -97,28 +97,14 @@ struct Renderer::Impl {
     return {};
   }
 
-  /// True for pictures by ray casting, false for shear-warp factorisation.
-  [[nodiscard]] bool is_by_rays(const View& view, const RenderOptions& options) const {
-    return needs_rays(view, options) ||
-           (!volume_classes(drawn.plan()).empty() && gains_by_rays(view, options));
-  }
-
   [[nodiscard]] Result<void> render(const FrameCall& call, Frame& frame) {
-    stats.rays = is_by_rays(call.view, call.options);
+    stats.rays = draws_by_rays(drawn.plan(), call.view, call.options);
     if (!stats.rays) return render_sheets(call, frame);
     Result<void> rendered = render_rays(call, frame);
     const bool is_too_large = !rendered && rendered.error().code == ErrorCode::kLimit;
     if (needs_rays(call.view, call.options) || !is_too_large) return rendered;
     stats.rays = false;
     return render_sheets(call, frame);
-  }
-
-  /// Memory that the picture and the decoded parts leave for spans; an eighth of all at least, as the decoded
-  /// parts cannot take less.
-  [[nodiscard]] std::uint64_t memory_for_spans(const RenderOptions& options) const {
-    const auto all =
-        static_cast<std::uint64_t>(std::min(max_memory(), static_cast<double>(max_memory_bytes)));
-    return std::max(all - std::min(frame_bytes(options) + decoded.cache().bytes(), all), all / 8);
   }
 
   /// Fits a camera to the selection, or to its part in some structures.
@@ -131,8 +117,9 @@ struct Renderer::Impl {
 
     // Decode the data of the picture; for drafts within a budget no more than tells the extents
     Stopwatch watch;
-    const Axis axis =
-        is_by_rays(frame.view(), options) ? Axis::kZ : factorise(frame.view().plane, atlas->grid()).principal;
+    const Axis axis = draws_by_rays(drawn.plan(), frame.view(), options)
+                          ? Axis::kZ
+                          : factorise(frame.view().plane, atlas->grid()).principal;
     const bool rough = may_be_rough(options);
     const int level = rough ? decoded.quick_level(drawn.plan()) : 0;
     SPLATLAS_RETURN_IF_ERROR(decode(axis, options, rough ? VoxelParts::kRuns : parts_of(options), level));
@@ -148,7 +135,7 @@ struct Renderer::Impl {
   /// Renders by shear-warp factorisation: parallel projection, pre-classification.
   [[nodiscard]] Result<void> render_sheets(const FrameCall& call, Frame& frame) {
     const auto& [view, options, overrides, task] = call;
-    rays.clear();
+    if (!walks_rays(options)) rays.clear();
     SPLATLAS_ASSIGN_OR_RETURN(const Shear shear, shear_of(view.plane, atlas->grid(), overrides));
 
     // Decode the selection along the principal axis
@@ -158,14 +145,26 @@ struct Renderer::Impl {
                               }));
     Stopwatch watch;
 
+    // Build the ray volume of ids and depths first: the spans take the memory that it leaves
+    task.begin_stage(kPrepared, walks_rays(options) ? 6 : 2);
+    if (walks_rays(options)) {
+      if (!rays.fits_walk()) spans.clear();
+      SPLATLAS_RETURN_IF_ERROR(rays.require_walk(view, options, atlas, drawn, decoded.cache(),
+                                                 max_memory_bytes - frame_bytes(options), pool));
+    }
+    const Elapsed of_walk = watch.lap();
+    stats.select_ms += of_walk.wall_ms;
+
     // Merge runs to spans, and light them
-    task.begin_stage(kPrepared, 2);
     const Lighting lighting(view.plane);
     const double select_ms = stats.select_ms;
+    const std::uint64_t memory_for_spans =
+        memory_left(max_memory_bytes, frame_bytes(options) + decoded.cache().bytes() + rays.bytes());
     const SheetVolume volume = by_blocks ? spans.prepare_blocks(view.plane, shear.principal,
                                                                 options.hybrid_shading, lighting, stats, pool)
                                          : spans.prepare(span_source(options), view.plane, shear, lighting,
-                                                         options, memory_for_spans(options), stats, pool);
+                                                         options, memory_for_spans, stats, pool);
+    stats.traversal += of_walk;
 
     // Rasterise surfaces, render sheets, resolve both into the picture
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache(), stats.surface_level);
@@ -207,8 +206,7 @@ struct Renderer::Impl {
     // Rasterise surfaces, cast rays, resolve both into the picture
     const std::vector<SurfaceDraw> surfaces = drawn.surfaces(decoded.cache(), stats.surface_level);
     const FrameScene scene = scene_of(call, surfaces, lighting);
-    const RayScene of_volume{rays.volume(), coarse_grid(atlas->grid(), stats.level), stats.level};
-    RayFrame stages(scene, of_volume, buffers, stats, pool);
+    RayFrame stages(scene, rays.scene(atlas->grid()), buffers, stats, pool);
     SPLATLAS_RETURN_IF_ERROR(run_stages(stages, kRayLoops, call, frame));
     stats.runs_visited = rays.volume().runs();
     stats.render_ms = light.wall_ms + watch.lap().wall_ms;
@@ -231,6 +229,8 @@ struct Renderer::Impl {
     const bool waits = decoded.waits_for_values(drawn.plan(), voxel_pixels, options, pool);
     if (waits) SPLATLAS_RETURN_IF_ERROR(decode(axis, options, VoxelParts::kNone, stats.surface_level));
     const bool by_blocks = waits && require_blocks();
+    if (!by_blocks && walks_rays(options))
+      SPLATLAS_RETURN_IF_ERROR(decode(Axis::kZ, options, parts_of(options), stats.surface_level));
     if (!by_blocks) SPLATLAS_RETURN_IF_ERROR(decode(axis, options, parts_of(options), stats.surface_level));
     stats.decode_ms = std::exchange(fit_decode_ms, 0) + watch.lap().wall_ms;
     return by_blocks;
@@ -254,7 +254,7 @@ struct Renderer::Impl {
             atlas,        decoded.cache(),     options.hybrid_shading};
   }
   [[nodiscard]] FrameScene scene_of(const FrameCall& call, std::span<const SurfaceDraw> surfaces,
-                                    const Lighting& lighting) const {
+                                    const Lighting& lighting) {
     return {.surfaces = surfaces,
             .view = call.view,
             .grid = atlas->grid(),
@@ -263,7 +263,7 @@ struct Renderer::Impl {
             .overrides = call.overrides,
             .max_memory_bytes = max_memory_bytes,
             .faces = faces.faces(),
-            .numbers = drawn.numbers()};
+            .walked = walks_rays(call.options) ? std::optional(rays.scene(atlas->grid())) : std::nullopt};
   }
 
   /// Runs the stages of a frame.

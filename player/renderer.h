@@ -65,7 +65,7 @@ class Renderer {
   ///   - kUsage for an invalid camera or picture size (see view_of()). Also for a perspective field of view
   ///     that is too wide for surfaces: above about 70 degrees, from oblique directions.
   ///   - kLimit when the picture exceeds the allowed memory, before any read or allocation, or when out of
-  ///     memory.
+  ///     memory. Also when ids or depths of a volume need more: rays walk through it.
   ///   - kCancelled after a stop request in `control`. All threads check it every few milliseconds. Later
   ///     pictures do not depend on cancelled ones.
   ///   - The read error if damage of the file leaves nothing to draw. Otherwise the intact parts are drawn;

@@ -39,7 +39,7 @@ Result<RenderStats> draw_frame(FrameScene scene, const SpanModel& spans, const S
                                FrameBuffers& buffers, Picture& picture, ThreadPool& pool) {
   scene.max_memory_bytes = std::numeric_limits<std::uint64_t>::max();
   RenderStats stats;
-  const SheetVolume volume{SheetSpans(spans), nullptr, shear, scene.grid, {}};
+  const SheetVolume volume{SheetSpans(spans), shear, scene.grid, {}};
   SheetFrame frame(scene, volume, buffers, stats, pool);
   TaskControl task({}, {});
   SPLATLAS_RETURN_IF_ERROR(frame.run(1, task, picture));

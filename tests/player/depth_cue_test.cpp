@@ -6,8 +6,7 @@
 
 #include "format/tasks/task_control.h"
 #include "player/render/frame/frame_renderer.h"
-#include "player/render/rays/ray_depths.h"
-#include "player/render/sheets/span_depths.h"
+#include "player/render/rays/cast_rays.h"
 #include "player/render_options.h"
 #include "tests/player/prepared_selection.h"
 #include "tests/support/render.h"
@@ -111,7 +110,7 @@ TEST(DepthMaps, LieOnTheNearestFaces) {
   }
 }
 
-/// The depth of transmittance 1/2 in a slab is known: in the middle of every pixel, for sheets and rays.
+/// The depth of transmittance 1/2 in a slab is known: in the middle of every pixel.
 TEST(DepthCueOfFrames, VolumesLieAtTransmittanceOneHalf) {
   TestVolume volume;
   volume.grid = {{30, 24, 28}, {1, 1.5, 0.8}, {-15, -18, -11}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
@@ -127,15 +126,10 @@ TEST(DepthCueOfFrames, VolumesLieAtTransmittanceOneHalf) {
     const PictureSize size{21, 19};
     const View view = *view_of(camera, size, content.display);
     const ViewDepth view_depth(view, grid);
-    const Shear shear = factorise(view.plane, grid);
-    ASSERT_EQ(shear.principal, Axis::kY);
-    DepthMap of_spans, of_rays;
-    of_spans.clear(size);
-    const SpanModel spans = prepared.spans(Axis::kY, false);
-    add_span_depths(SheetSpans(spans), shear, view_depth, {}, of_spans, pool);
+    DepthMap of_rays;
     of_rays.clear(size);
-    add_ray_depths(prepared.rays(Classification::kBefore), view, grid, best_march(), nullptr, view_depth,
-                   of_rays, pool);
+    cast_rays(prepared.rays(Classification::kBefore), view, grid, {.depths = &of_rays}, best_march(), nullptr,
+              pool);
     for (int y = 0; y < size.height; ++y) {
       for (int x = 0; x < size.width; ++x) {
         const auto n = static_cast<std::size_t>(y * size.width + x);
@@ -143,7 +137,6 @@ TEST(DepthCueOfFrames, VolumesLieAtTransmittanceOneHalf) {
         // place.
         const double front = azimuth == -160.0 ? 23.5 : -0.5;
         const double expected = view_depth.mm(x + 0.5, y + 0.5, 1, front) + half_mm;
-        EXPECT_NEAR(of_spans.mm[n], expected, 0.15) << azimuth << ": " << x << ", " << y;
         EXPECT_NEAR(of_rays.mm[n], expected, 0.15) << azimuth << ": " << x << ", " << y;
       }
     }

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "format/atlas_writer.h"
+#include "player/render/frame/frame_renderer.h"
 #include "player/render/sheets/spans/span_model.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/support/fails_with.h"
@@ -154,7 +155,7 @@ TEST(Renderer, LooksPastTheAtlas) {
   }
 }
 
-/// The same pixels, ids, depths and picks as with all spans at once.
+/// The same pixels, ids, depths and picks as with all spans at once. Ids and depths need the ray volume.
 TEST(Renderer, DrawsVolumesBeyondItsMemoryInStrips) {
   const AtlasContent content = phantom_content();
   const Selection selection = selection_of("Spheres", content.graph);
@@ -180,6 +181,28 @@ TEST(Renderer, DrawsVolumesBeyondItsMemoryInStrips) {
         EXPECT_TRUE(!pick || pick->structure == same->structure);
       }
     }
+  }
+}
+
+/// Without memory for the ray volume, the depth cue is that of blocks.
+TEST(Renderer, RefusesIdsAndDepthsBeyondItsMemory) {
+  const AtlasContent content = phantom_content();
+  Renderer renderer(open_in_memory(content), {2, std::uint64_t{5} << 17});
+  ASSERT_TRUE(renderer.select(selection_of("Spheres", content.graph)));
+  RenderOptions options{.size = {90, 70}};
+  const Frame plain = frame_or_throw(renderer, {}, options);
+  EXPECT_TRUE(plain.stats.strips);
+  for (bool RenderOptions::*const asked : {&RenderOptions::ids, &RenderOptions::depths}) {
+    options.*asked = true;
+    const auto refused = renderer.render({}, options);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
+    EXPECT_THAT(refused.error().message, testing::EndsWith("without ids, depth map, outlines and depth cue"));
+    options.*asked = false;
+    options.depth_cue = DepthCue::kEdges;
+    EXPECT_NE(frame_or_throw(renderer, {}, options).picture.rgba, plain.picture.rgba);
+    options.depth_cue = DepthCue::kNone;
+    EXPECT_EQ(frame_or_throw(renderer, {}, options).picture.rgba, plain.picture.rgba);
   }
 }
 
@@ -249,6 +272,16 @@ TEST(Renderer, DrawsWithMemoryForFewFragments) {
       EXPECT_EQ(frames[0].depths.mm, frames[1].depths.mm);
     }
   }
+}
+
+/// Rims take the numbers of the pixels beside them, from the inside out.
+TEST(Renderer, NumbersWhatThePictureShows) {
+  Picture picture{{6, 1}, std::vector<float>(24)};
+  const float opacities[] = {0.5f, 0.2f, 0.003f, 0.4f, 0.3f, 0.9f};
+  for (std::size_t n = 0; n < 6; ++n) picture.rgba[4 * n + 3] = opacities[n];
+  IdImage ids{{6, 1}, {0, 0, 8, 0, 0, 7}};
+  fit_ids(picture, ids);
+  EXPECT_EQ(ids.numbers, (std::vector<StructureNumber>{0, 0, 0, 7, 7, 7}));
 }
 
 /// The renderer reuses the memory of a frame: nothing of an earlier id image remains.

@@ -79,13 +79,6 @@ int sheet_pixels_per_voxel(Quality quality, const ParallelView& view, const Opti
   return rounded(1, 1, 2);
 }
 
-int share_pixels_per_voxel(Quality quality, const ParallelView& view, const OpticalField& field,
-                           Axis principal) {
-  const double pixels = std::min(pixels_per_voxel(view, field.grid, principal), 1e3);
-  return std::clamp(static_cast<int>(std::ceil(pixels - 0.25)), 1,
-                    sheet_pixels_per_voxel(quality, view, field, principal));
-}
-
 DiscreteModel::DiscreteModel(const OpticalField& field, const ParallelView& view, Axis principal,
                              int pixels_per_voxel, int parts, const ReferenceCut* cut)
     : field_(field),
@@ -255,12 +248,12 @@ std::vector<RayRadiance> DiscreteModel::at(double x, double y, std::span<const d
   return before;
 }
 
-RayRadiance DiscreteModel::pixel_mean(int column, int row, bool may_be_cubic) const {
+RayRadiance DiscreteModel::pixel_mean(int column, int row) const {
   const auto axis = static_cast<Axis>(axes_.slice_axis);
   const auto reach = voxels_per_pixel(view_, field_.grid, axis);
   const int samples =
       std::clamp(static_cast<int>(std::ceil(std::max(reach[0], reach[1]) - 0.25)), 1, kMaxSamplesPerSide);
-  const bool cubic = may_be_cubic && parts_ > 1 && pixels_per_voxel_ > 0;
+  const bool cubic = parts_ > 1 && pixels_per_voxel_ > 0;
   RayRadiance sum{{0, 0, 0}, 0};
   for (int y = 0; y < samples; ++y) {
     for (int x = 0; x < samples; ++x) {

@@ -26,10 +26,6 @@ namespace splatlas::reference {
 [[nodiscard]] int sheet_pixels_per_voxel(Quality quality, const ParallelView& view, const OpticalField& field,
                                          Axis principal);
 
-/// The same of id images, whose sheets have one slab a slice.
-[[nodiscard]] int share_pixels_per_voxel(Quality quality, const ParallelView& view, const OpticalField& field,
-                                         Axis principal);
-
 class DiscreteModel {
  public:
   /// Keeps references. `pixels_per_voxel`: resolution of the sheet; 0: unlimited, so that slabs remain the
@@ -44,7 +40,7 @@ class DiscreteModel {
   /// in front of and behind it, as for constant optical properties.
   [[nodiscard]] std::vector<RayRadiance> at(double x, double y, std::span<const double> depths) const;
   /// The whole volume, averaged over the pixel where voxels are smaller than pixels.
-  [[nodiscard]] RayRadiance pixel_mean(int column, int row, bool cubic = true) const;
+  [[nodiscard]] RayRadiance pixel_mean(int column, int row) const;
 
  private:
   struct Place {

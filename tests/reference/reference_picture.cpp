@@ -19,15 +19,12 @@ struct Setup {
   ParallelView view;
   Axis principal;
   OpticalField field;
-  std::optional<ShareChannels> shares;
   ReferenceCut cut;
 
   explicit Setup(const ReferenceScene& scene)
       : view(view_of(scene)),
         principal(factorise(view, storage_grid(scene.content)).principal),
-        field(
-            optical_field(scene.content, scene.selection, view, scene.options.hybrid_shading, scene.shares)),
-        shares(scene.shares),
+        field(optical_field(scene.content, scene.selection, view, scene.options.hybrid_shading)),
         cut(scene.content, scene.selection, scene.options) {}
 
   /// Composites the radiance between the faces of the cut with them.
@@ -36,15 +33,10 @@ struct Setup {
     const Ray ray = ray_through(view, field.grid, x, y);
     const KeptRay kept = cut.clip(ray, -kInfinity);
     RayRadiance sum;
-    sum.add_surface(seen(cut.front(ray, kept)));
+    sum.add_surface(cut.front(ray, kept).rgba);
     sum.add(radiance);
-    sum.add_surface(seen(cut.back(ray, kept)));
+    sum.add_surface(cut.back(ray, kept).rgba);
     return sum;
-  }
-  /// Colour and opacity of a crossing or face, or its shares.
-  template <typename Surface>
-  [[nodiscard]] std::array<double, 4> seen(const Surface& surface) const {
-    return shares ? share_rgba(*shares, surface.structure, surface.rgba[3]) : surface.rgba;
   }
 
   static ParallelView view_of(const ReferenceScene& scene) {
@@ -90,10 +82,9 @@ class DiscreteScene {
         unlimited_(unlimited),
         model_(setup_.field, setup_.view, setup_.principal,
                unlimited ? 0
-                         : (scene.shares ? share_pixels_per_voxel : sheet_pixels_per_voxel)(
-                               scene.options.quality, setup_.view, setup_.field, setup_.principal),
-               scene.shares ? 1 : slabs_per_slice(scene.options.quality),
-               setup_.cut.empty() ? nullptr : &setup_.cut),
+                         : sheet_pixels_per_voxel(scene.options.quality, setup_.view, setup_.field,
+                                                  setup_.principal),
+               slabs_per_slice(scene.options.quality), setup_.cut.empty() ? nullptr : &setup_.cut),
         surfaces_(scene.content, scene.selection, setup_.view, setup_.principal, Coverage::kSnapped) {}
 
   [[nodiscard]] RayRadiance at(double x, double y) const { return compose_at(crossings(x, y), x, y); }
@@ -102,8 +93,7 @@ class DiscreteScene {
     return render(setup_.view.size, [&](int column, int row) {
       const double x = column + 0.5, y = row + 0.5;
       const std::vector<Crossing> at_center = crossings(x, y);
-      if (at_center.empty() && !unlimited_)
-        return setup_.between_faces(model_.pixel_mean(column, row, !setup_.shares), x, y);
+      if (at_center.empty() && !unlimited_) return setup_.between_faces(model_.pixel_mean(column, row), x, y);
       return compose_at(at_center, x, y);
     });
   }
@@ -116,9 +106,7 @@ class DiscreteScene {
   }
   [[nodiscard]] std::vector<Crossing> crossings(double x, double y) const {
     const Ray ray = ray_through(setup_.view, setup_.field.grid, x, y);
-    std::vector<Crossing> all = surfaces_.crossings(x, y, setup_.cut.surfaces(ray, -kInfinity));
-    for (Crossing& crossing : all) crossing.rgba = setup_.seen(crossing);
-    return all;
+    return surfaces_.crossings(x, y, setup_.cut.surfaces(ray, -kInfinity));
   }
 
   Setup setup_;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -10,7 +9,6 @@
 #include "format/content/selection.h"
 #include "player/render/view/sample_pattern.h"
 #include "player/renderer.h"
-#include "tests/reference/optical_field.h"
 
 namespace splatlas::reference {
 
@@ -26,9 +24,6 @@ struct ReferenceScene {
   const Selection& selection;
   Camera camera{};
   RenderOptions options{};
-  /// Shares of these structures in the opacity of each pixel instead of colours, interpolated bilinearly in
-  /// sheets.
-  std::optional<ShareChannels> shares{};
 };
 
 /// Ground truth: the trilinear field of the selected voxels along the ray of each pixel centre, with every

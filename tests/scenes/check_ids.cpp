@@ -28,24 +28,18 @@ class IdChecker {
     options.termination_threshold = 0;
     options.antialiasing = false;
     const auto plain = render(options, 1);
-    options.ids = true;
+    options.ids = options.depths = true;
     const auto frame = render(options, 1);
     if (!plain || !frame) return report_;
-    if (plain->picture.rgba != frame->picture.rgba) fault("ids change the picture");
+    if (plain->picture.rgba != frame->picture.rgba) fault("ids and depths change the picture");
     if (!plain->ids.empty()) fault("there are ids that nobody asked for");
     for (const unsigned threads : {2u, 8u}) {
       const auto other = render(options, threads);
-      if (other && other->ids.numbers != frame->ids.numbers)
-        fault(fmt::format("{} threads give other ids", threads));
+      if (other && (other->ids.numbers != frame->ids.numbers || other->depths.mm != frame->depths.mm))
+        fault(fmt::format("{} threads give other ids or depths", threads));
     }
-    if (frame->stats.rays) {
-      compare_rays(options);
-      return report_;
-    }
-    compare(*frame, options, {});
-    options.antialiasing = true;
-    if (const auto antialiased = render(options, 1))
-      compare(*antialiased, options, sample_pattern(samples()));
+    check_visible(*frame);
+    compare(options);
     return report_;
   }
 
@@ -53,15 +47,6 @@ class IdChecker {
   using Shares = std::vector<std::vector<double>>;  // by structure, then pixel
 
   void fault(std::string text) { report_.faults.push_back(std::move(text)); }
-  [[nodiscard]] std::size_t samples() const {
-    switch (scene_.options.quality) {
-      case Quality::kNormal: return 4;
-      case Quality::kHigh: return 8;
-      case Quality::kDraft: break;
-    }
-    return 1;
-  }
-
   std::optional<Frame> render(const RenderOptions& options, unsigned threads, bool one_ray = false) {
     Renderer renderer(atlas_, RendererOptions{.threads = threads});
     if (const auto selected = renderer.select(scene_.selection); !selected) {
@@ -77,51 +62,19 @@ class IdChecker {
     return std::nullopt;
   }
 
-  /// Shares of all structures at pixel centres, or the means over `places`.
-  [[nodiscard]] Shares shares(const RenderOptions& options, std::span<const SubPixel> places) const {
-    Shares all;
-    const std::size_t structures = scene_.selection.structures.size();
-    for (StructureIndex first = 0; first < structures; first += 3) {
-      const reference::ReferenceScene scene{scene_.content, scene_.selection, scene_.camera, options,
-                                            reference::ShareChannels{first, first + 1, first + 2}};
-      const reference::ReferencePicture picture =
-          places.empty() ? reference::render_model(scene) : reference::render_model(scene, places);
-      for (std::size_t c = 0; c < 3 && first + c < structures; ++c) {
-        std::vector<double>& of_structure = all.emplace_back();
-        for (const auto& pixel : picture.pixels) of_structure.push_back(pixel[c]);
-      }
-    }
-    return all;
-  }
-
-  /// Compares with the shares at pixel centres and, of antialiased pixels, with those of the samples.
-  void compare(const Frame& frame, const RenderOptions& options, std::span<const SubPixel> places) {
-    const Shares at_centers = shares(options, {});
-    const Shares of_samples = places.empty() ? at_centers : shares(options, places);
+  /// Only visible pixels have a number and a depth.
+  void check_visible(const Frame& frame) {
     for (std::size_t n = 0; n < frame.ids.numbers.size(); ++n) {
-      const StructureNumber number = frame.ids.numbers[n];
       const float opacity = frame.picture.rgba[4 * n + 3];
-      const bool is_visible = opacity >= static_cast<float>(kMinOpacity);
-      if (number != 0 && !is_visible)
-        return fault(fmt::format("pixel {} of opacity {} has number {}", n, opacity, number));
-      if (!is_visible) continue;
-      ++report_.pixels;
-      const auto lacking = [&](const Shares& of) {
-        double largest = 0;
-        for (const auto& of_structure : of) largest = std::max(largest, of_structure[n]);
-        return number == 0 ? largest : largest - of[number - 1u][n];
-      };
-      const double lacks = std::min(lacking(at_centers), lacking(of_samples));
-      report_.mixed += is_mixed(at_centers, n) ? 1 : 0;
-      if (lacks > kShareTolerance) {
-        return fault(fmt::format("pixel {}, of opacity {}: number {} has a share {} below the largest", n,
-                                 opacity, number, lacks));
-      }
+      const bool shows = frame.ids.numbers[n] != 0 || frame.depths.mm[n] != DepthMap::kBackground;
+      if (shows && opacity < static_cast<float>(kMinOpacity))
+        return fault(fmt::format("pixel {} of opacity {} has number {} and depth {}", n, opacity,
+                                 frame.ids.numbers[n], frame.depths.mm[n]));
     }
   }
 
-  /// Compares rays at high quality with the shares along the rays of pixel centres.
-  void compare_rays(RenderOptions options) {
+  /// Compares ids at high quality with the shares along the rays of pixel centres.
+  void compare(RenderOptions options) {
     options.quality = Quality::kHigh;
     const auto frame = render(options, 1, true);
     if (!frame) return;

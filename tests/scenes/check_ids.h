@@ -15,11 +15,12 @@ struct IdReport {
   std::size_t mixed = 0;            ///< of them, with two shares of similar size
 };
 
-/// Renders the scene with ids, several times, and compares:
-///   - pictures with and without ids: equal bits;
-///   - ids of 1, 2 and 8 threads: equal;
-///   - each pixel's share in the reference is at least the largest one less 1e-3. References are the discrete
-///     model for sheets, also of antialiased pixels, and exact rays for rays at high quality, one a pixel.
+/// Renders the scene with ids and depths, several times, and compares:
+///   - pictures with and without them: equal bits;
+///   - ids and depths of 1, 2 and 8 threads: equal;
+///   - pixels below the threshold of opacity: no number and no depth;
+///   - at high quality, one ray a pixel: each pixel's share along the exact ray is at least the largest one
+///     less 1e-3.
 [[nodiscard]] IdReport check_ids(const RandomScene& scene);
 
 }  // namespace splatlas

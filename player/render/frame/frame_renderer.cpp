@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "format/result_macros.h"
+#include "player/render/contributions/pixel_shares.h"
 #include "player/render/frame/draft_pace.h"
 #include "player/render/frame/stopwatch.h"
 #include "player/render/rays/cast_surfaces.h"
@@ -27,8 +28,6 @@ constexpr std::size_t kBytesPerFragment = 200;
 constexpr std::uint64_t kBytesToFindEdges = 48;
 /// Maximum of 32-bit fragment indices.
 constexpr std::size_t kMaxFragments = 0xfffffffe;
-/// Bytes per pixel of id images, and of the shares of structures.
-constexpr std::uint64_t kBytesOfIds = 2 * sizeof(StructureNumber) + 60;
 constexpr std::size_t kRowsPerJob = 16;
 
 std::uint64_t pixels_of(const PictureSize& size) {
@@ -110,7 +109,7 @@ std::uint64_t frame_bytes(const RenderOptions& options) {
   std::uint64_t bytes_per_pixel = cues_depth(options) ? sizeof(float) : 0;
   if (options.depths) bytes_per_pixel += 2 * sizeof(float);
   if (shows_faces(options)) bytes_per_pixel += sizeof(RayFaces);
-  if (options.ids) bytes_per_pixel += kBytesOfIds;
+  if (options.ids) bytes_per_pixel += 2 * sizeof(StructureNumber);
   return picture_bytes(options.size) + pixels_of(options.size) * bytes_per_pixel;
 }
 
@@ -120,6 +119,10 @@ Result<void> check_size(const RenderOptions& options, std::uint64_t max_memory_b
   return fail(ErrorCode::kLimit,
               "a picture of {}x{} pixels takes {} MiB; {} MiB are allowed. Take a smaller size",
               options.size.width, options.size.height, bytes >> 20, max_memory_bytes >> 20);
+}
+
+bool walks_rays(const RenderOptions& options) {
+  return options.ids || options.depths || cues_depth(options);
 }
 
 Result<void> check_ids(const RenderOptions& options, const Atlas& atlas) {
@@ -166,7 +169,7 @@ Result<void> FrameRenderer::run(std::size_t volume_loops, TaskControl& task, Pic
         draw_region(intersection(whole, {x, x + width - 1, y, y + height - 1}), picture));
   }
   Stopwatch watch;
-  if (scene_.options.ids) finish_ids(picture);
+  if (scene_.options.ids) fit_ids(picture, buffers_.ids);
   stats_.ids += watch.lap();
   task.begin_stage(1, kCueLoops);
   finish_depths(picture);
@@ -256,7 +259,9 @@ void FrameRenderer::finish_depths(Picture& picture) {
   if (needs_depths()) {
     const ViewDepth view_depth(scene_.view, scene_.grid);
     add_face_depths(buffers_.faces, shown(), view_depth, buffers_.depths, pool_);
-    add_volume_depths(view_depth);
+    for (std::size_t n = 0; n < buffers_.depths.mm.size(); ++n) {
+      if (picture.rgba[4 * n + 3] < kMinIdOpacity) buffers_.depths.mm[n] = DepthMap::kBackground;
+    }
   }
   if (cues_depth(scene_.options)) {
     darken_edges(buffers_.depths, depth_edges(scene_.view.plane, scene_.options.depth_cue_strength), picture,
@@ -298,6 +303,41 @@ Result<void> rasterize_again(const ShownFrame& frame, std::uint64_t number,
   scene.region = {column, column, row, row};
   SPLATLAS_RETURN_IF_ERROR(draw_fragments(scene, frame.raster, cuts, buffers, pool));
   return {};
+}
+
+void fit_ids(const Picture& picture, IdImage& ids) {
+  const auto [width, height] = picture.size;
+  const auto opacity_of = [&](std::size_t pixel) { return picture.rgba[4 * pixel + 3]; };
+  std::vector<std::size_t> open;  // visible pixels without a number
+  for (std::size_t n = 0; n < ids.numbers.size(); ++n) {
+    if (opacity_of(n) < kMinIdOpacity) {
+      ids.numbers[n] = 0;
+    } else if (ids.numbers[n] == 0) {
+      open.push_back(n);
+    }
+  }
+  // Advance by a pixel at a time
+  const auto neighbour_of = [&](std::size_t pixel) {
+    const int column = static_cast<int>(pixel) % width, row = static_cast<int>(pixel) / width;
+    StructureNumber number = 0;
+    float densest = 0;
+    for (int y = std::max(row - 1, 0); y <= std::min(row + 1, height - 1); ++y) {
+      for (int x = std::max(column - 1, 0); x <= std::min(column + 1, width - 1); ++x) {
+        const auto other = static_cast<std::size_t>(y * width + x);
+        if (ids.numbers[other] == 0 || opacity_of(other) <= densest) continue;
+        densest = opacity_of(other);
+        number = ids.numbers[other];
+      }
+    }
+    return number;
+  };
+  std::vector<StructureNumber> found;
+  while (!open.empty()) {
+    found.clear();
+    for (const std::size_t pixel : open) found.push_back(neighbour_of(pixel));
+    for (std::size_t n = 0; n < open.size(); ++n) ids.numbers[open[n]] = found[n];
+    if (std::erase_if(open, [&](std::size_t pixel) { return ids.numbers[pixel] != 0; }) == 0) return;
+  }
 }
 
 namespace {

@@ -1,4 +1,4 @@
-// Stages of a frame that sheets and rays share: surfaces, depth cue, buffers.
+// Stages of a frame that sheets and rays share: surfaces, ids, depths, depth cue, buffers.
 #pragma once
 
 #include <cstddef>
@@ -12,12 +12,13 @@
 #include "format/tasks/thread_pool.h"
 #include "player/render/clip/cut_faces.h"
 #include "player/render/clip/cut_rays.h"
-#include "player/render/contributions/fragment_shares.h"
 #include "player/render/contributions/shown_frame.h"
 #include "player/render/depth_cue/depth_edges.h"
 #include "player/render/frame/render_overrides.h"
+#include "player/render/rays/cast_rays.h"
+#include "player/render/rays/march_kernels.h"
+#include "player/render/rays/volume/ray_volume.h"
 #include "player/render/sheets/fragment_order.h"
-#include "player/render/sheets/ids/sheet_shares.h"
 #include "player/render/sheets/sheet_ends.h"
 #include "player/render/sheets/warp/sheet_image.h"
 #include "player/render/surfaces/rasterize.h"
@@ -46,10 +47,15 @@ struct FrameBuffers {
   FaceLayer faces;                    ///< of a cut; empty: none
   FragmentOrder order;                ///< depth order of the fragments, and the volume in front of them
   SheetImage sheet;
-  SheetShares shares;              ///< of an id image
-  FragmentShares fragment_shares;  ///< the same
   IdImage ids;
   DepthMap depths;
+};
+
+/// The volume of a frame by rays.
+struct RayScene {
+  const RayVolume& volume;
+  Grid grid;      ///< of the volume
+  int level = 0;  ///< of the grid: voxels, or blocks of 2^level voxels along each axis
 };
 
 /// Scene and options of a frame, without its volume. All references must outlive the frame.
@@ -62,8 +68,7 @@ struct FrameScene {
   const RenderOverrides& overrides;
   std::uint64_t max_memory_bytes = 0;               ///< limit; fragments may take half of it
   std::shared_ptr<const CutFaces> faces = nullptr;  ///< of the cuts of the options; null: none
-  /// For an id image: numbers of the structures of the plan's classes; empty: none.
-  std::span<const StructureNumber> numbers = {};
+  std::optional<RayScene> walked = std::nullopt;    ///< for ids and depths of sheets; with walks_rays()
 };
 
 /// True if the faces of cuts are drawn.
@@ -73,6 +78,8 @@ struct FrameScene {
 /// kLimit if these are more than `max_memory_bytes`.
 [[nodiscard]] Result<void> check_size(const RenderOptions& options, std::uint64_t max_memory_bytes);
 
+/// True if rays walk through the volume for ids or depths, whatever draws it.
+[[nodiscard]] bool walks_rays(const RenderOptions& options);
 /// kUsage if the options ask for ids and the atlas has too many structures for them.
 [[nodiscard]] Result<void> check_ids(const RenderOptions& options, const Atlas& atlas);
 
@@ -101,6 +108,9 @@ class FrameRenderer {
   [[nodiscard]] std::span<const VoxelPlane> planes() const {
     return cuts_ ? std::span<const VoxelPlane>(cuts_->planes()) : std::span<const VoxelPlane>();
   }
+  [[nodiscard]] const MarchKernels& kernels() const {
+    return scene_.overrides.simd ? best_march() : scalar_march();
+  }
   /// Faces of the cut at pixel centres; null without any.
   [[nodiscard]] const FaceLayer* faces() const { return buffers_.faces.empty() ? nullptr : &buffers_.faces; }
 
@@ -111,10 +121,6 @@ class FrameRenderer {
   /// Composites the fragments of a region with the segments of the volume between them, and finds its ids, if
   /// the options ask for them.
   [[nodiscard]] virtual Result<void> resolve(const PixelBox& region, Picture& picture) = 0;
-  /// Finishes the id image of the picture.
-  virtual void finish_ids(const Picture& picture) = 0;
-  /// Merges the depths of the volume into the depth map of the buffers.
-  virtual void add_volume_depths(const ViewDepth& view_depth) = 0;
   [[nodiscard]] bool needs_depths() const;
   [[nodiscard]] bool paints_surfaces() const;
   [[nodiscard]] bool all_opaque() const;
@@ -150,6 +156,9 @@ class FrameRenderer {
                                            std::int32_t column, std::int32_t row, FrameBuffers& buffers,
                                            ThreadPool& pool);
 
+/// Clears the numbers of pixels without opacity. Visible ones without a number, at rims where the picture is
+/// wider than its rays, get the structure of their densest neighbour, from pixel to pixel.
+void fit_ids(const Picture& picture, IdImage& ids);
 /// Merges the depths of surfaces into `depths` by minimum. The depth of a sample is that of the fragment at
 /// which its transmittance falls to one half; a pixel takes its nearest sample. O(fragments).
 void add_surface_depths(const FragmentList& fragments, const ShownFrame& frame, const ViewDepth& view,

@@ -5,13 +5,9 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <vector>
 
-#include "player/render/contributions/pixel_shares.h"
 #include "player/render/frame/stopwatch.h"
 #include "player/render/rays/cast_surfaces.h"
-#include "player/render/rays/march_kernels.h"
-#include "player/render/rays/ray_depths.h"
 
 namespace splatlas {
 namespace {
@@ -28,7 +24,8 @@ RayGrid rays_of_pixel(const FrameScene& scene, const Grid& grid, double per_voxe
   return {rays(along_width), rays(along_height)};
 }
 
-/// Rays per pixel, and steps per slab and error tolerance of ray marching at the quality of the options.
+}  // namespace
+
 CastOptions cast_options(const FrameScene& scene, const Grid& grid) {
   CastOptions cast{.termination_threshold = termination_threshold(scene.options),
                    .principal_axis = scene.overrides.principal_axis};
@@ -49,13 +46,10 @@ CastOptions cast_options(const FrameScene& scene, const Grid& grid) {
   return cast;
 }
 
-}  // namespace
-
 RayFrame::RayFrame(const FrameScene& scene, const RayScene& of_volume, FrameBuffers& buffers,
                    RenderStats& stats, ThreadPool& pool)
     : FrameRenderer(scene, buffers, stats, pool),
       of_volume_(of_volume),
-      kernels_(scene.overrides.simd ? best_march() : scalar_march()),
       options_(cast_options(scene, of_volume.grid)) {}
 
 Result<RasterScene> RayFrame::raster_scene_of_view() const {
@@ -67,10 +61,11 @@ Result<void> RayFrame::begin_volume(Picture& picture) {
   options_.cuts = cuts();
   options_.faces = faces();
   if (scene_.options.ids) options_.ids = &buffers_.ids;
+  if (needs_depths()) options_.depths = &buffers_.depths;
   const RayEnds ends{buffers_.surface_depths, *raster_};
   CastOptions options = options_;
   if (ends_at_surfaces()) options.ends = &ends;
-  cast_rays(of_volume_.volume, scene_.view, of_volume_.grid, options, kernels_, picture, pool_);
+  cast_rays(of_volume_.volume, scene_.view, of_volume_.grid, options, kernels(), &picture, pool_);
   stats_.voxels_visited = of_volume_.volume.voxels();
   stats_.sheets = watch.lap();
   return {};
@@ -79,21 +74,9 @@ Result<void> RayFrame::begin_volume(Picture& picture) {
 Result<void> RayFrame::resolve(const PixelBox& /*region*/, Picture& picture) {
   Stopwatch watch;
   cast_surfaces(of_volume_.volume, scene_.view, of_volume_.grid, *raster_, buffers_.fragments, options_,
-                kernels_, picture, pool_);
+                kernels(), &picture, pool_);
   stats_.resolve += watch.lap();
   return {};
-}
-
-void RayFrame::finish_ids(const Picture& picture) {
-  std::vector<StructureNumber>& numbers = buffers_.ids.numbers;
-  for (std::size_t n = 0; n < numbers.size(); ++n) {
-    if (picture.rgba[4 * n + 3] < kMinIdOpacity) numbers[n] = 0;
-  }
-}
-
-void RayFrame::add_volume_depths(const ViewDepth& view_depth) {
-  add_ray_depths(of_volume_.volume, scene_.view, scene_.grid, kernels_, cuts(), view_depth, buffers_.depths,
-                 pool_);
 }
 
 double voxel_pixels_of(const View& view, const Grid& grid) {
@@ -115,13 +98,14 @@ bool needs_rays(const View& view, const RenderOptions& options) {
   return view.eye_mm || options.classification == Classification::kAfter;
 }
 
-bool gains_by_rays(const View& view, const RenderOptions& options) {
+bool draws_by_rays(const DrawPlan& plan, const View& view, const RenderOptions& options) {
+  if (needs_rays(view, options)) return true;
   constexpr double kEdgeOn = 0.01;
   const auto is_along_view = [&](const CutPlane& cut) {
     const auto& [x, y, z] = cut.normal_lps;
     return std::abs(dot(cut.normal_lps, view.plane.forward_lps)) < kEdgeOn * std::hypot(x, y, z);
   };
-  return options.quality == Quality::kHigh &&
+  return options.quality == Quality::kHigh && !volume_classes(plan).empty() &&
          std::none_of(options.cuts.begin(), options.cuts.end(), is_along_view);
 }
 

@@ -4,18 +4,10 @@
 #include <optional>
 
 #include "player/render/frame/frame_renderer.h"
-#include "player/render/rays/cast_rays.h"
 
 namespace splatlas {
 
-/// The volume of a frame by rays.
-struct RayScene {
-  const RayVolume& volume;  ///< lit
-  Grid grid;                ///< of the volume
-  int level = 0;            ///< of the grid: voxels, or blocks of 2^level voxels along each axis
-};
-
-/// The volume must outlive the frame.
+/// The volume must be lit, and outlive the frame.
 class RayFrame : public FrameRenderer {
  public:
   RayFrame(const FrameScene& scene, const RayScene& of_volume, FrameBuffers& buffers, RenderStats& stats,
@@ -25,16 +17,16 @@ class RayFrame : public FrameRenderer {
   [[nodiscard]] Result<RasterScene> raster_scene_of_view() const override;
   [[nodiscard]] Result<void> begin_volume(Picture& picture) override;
   [[nodiscard]] Result<void> resolve(const PixelBox& region, Picture& picture) override;
-  void finish_ids(const Picture& picture) override;
-  void add_volume_depths(const ViewDepth& view_depth) override;
   [[nodiscard]] int level() const override { return of_volume_.level; }
   [[nodiscard]] std::uint64_t voxels() const override { return of_volume_.volume.voxels(); }
   [[nodiscard]] std::optional<Axis> slice_axis() const override { return std::nullopt; }
 
   RayScene of_volume_;
-  const MarchKernels& kernels_;
   CastOptions options_;
 };
+
+/// Rays per pixel, and steps per slab and error tolerance of ray marching at the quality of the options.
+[[nodiscard]] CastOptions cast_options(const FrameScene& scene, const Grid& grid);
 
 /// Width of a voxel in picture pixels, for the choice of levels: in the plane of the centre, but at least
 /// half of that at the corner of the grid nearest to the eye; infinite if the grid reaches behind the eye.
@@ -42,7 +34,8 @@ class RayFrame : public FrameRenderer {
 
 /// True for pictures that sheets cannot draw.
 [[nodiscard]] bool needs_rays(const View& view, const RenderOptions& options);
-/// True for pictures of volumes that are better by rays. Rays alias at planes along the view.
-[[nodiscard]] bool gains_by_rays(const View& view, const RenderOptions& options);
+/// True for pictures by ray casting, false for shear-warp factorisation. Rays also draw volumes that are
+/// better by them; they alias at planes along the view.
+[[nodiscard]] bool draws_by_rays(const DrawPlan& plan, const View& view, const RenderOptions& options);
 
 }  // namespace splatlas

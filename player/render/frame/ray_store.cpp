@@ -31,20 +31,37 @@ Result<void> RayStore::require_voxels(const RenderOptions& options, const Atlas&
                                       const ClassCache& cache, std::uint64_t max_memory_bytes,
                                       ThreadPool& pool) {
   if (!fits(options)) {
+    if (!by_blocks_) clear();  // blocks are small, and serve again if the voxels do not fit
+    SPLATLAS_ASSIGN_OR_RETURN(RayVolume built,
+                              RayVolume::build({.atlas = atlas,
+                                                .selection = drawn.selection(),
+                                                .plan = drawn.plan(),
+                                                .appearances = drawn.appearances().appearances(),
+                                                .runs = runs,
+                                                .cache = cache,
+                                                .classification = options.classification,
+                                                .shade = options.hybrid_shading,
+                                                .max_memory_bytes = max_memory_bytes},
+                                               pool));
     clear();
-    SPLATLAS_ASSIGN_OR_RETURN(volume_, RayVolume::build({.atlas = atlas,
-                                                         .selection = drawn.selection(),
-                                                         .plan = drawn.plan(),
-                                                         .appearances = drawn.appearances().appearances(),
-                                                         .runs = runs,
-                                                         .cache = cache,
-                                                         .classification = options.classification,
-                                                         .shade = options.hybrid_shading,
-                                                         .max_memory_bytes = max_memory_bytes},
-                                                        pool));
+    volume_ = std::move(built);
   }
   if (!options.ids || volume_->numbers() != nullptr) return {};
   return volume_->number(runs, drawn.numbers(), pool);
+}
+
+Result<void> RayStore::require_walk(const View& view, const RenderOptions& options,
+                                    const std::shared_ptr<const Atlas>& atlas, const DrawnSelection& drawn,
+                                    const ClassCache& cache, std::uint64_t max_memory_bytes,
+                                    ThreadPool& pool) {
+  RenderOptions unlit = options;
+  unlit.hybrid_shading = false;
+  Result<void> built = require(view, unlit, *atlas, drawn, cache, max_memory_bytes, pool);
+  if (built || built.error().code != ErrorCode::kLimit) return built;
+  if (!options.ids && !options.depths && require_blocks(unlit, atlas, drawn, max_memory_bytes, pool))
+    return {};
+  built.error().message += ", or render without ids, depth map, outlines and depth cue";
+  return built;
 }
 
 bool RayStore::require_blocks(const RenderOptions& options, const std::shared_ptr<const Atlas>& atlas,

@@ -8,6 +8,7 @@
 #include "player/render/frame/decoded_selection.h"
 #include "player/render/frame/draft_pace.h"
 #include "player/render/frame/drawn_selection.h"
+#include "player/render/frame/frame_renderer.h"
 #include "player/render/rays/volume/ray_volume.h"
 #include "player/render_options.h"
 
@@ -31,6 +32,16 @@ class RayStore {
   [[nodiscard]] bool require_blocks(const RenderOptions& options, const std::shared_ptr<const Atlas>& atlas,
                                     const DrawnSelection& drawn, std::uint64_t max_memory_bytes,
                                     ThreadPool& pool);
+  /// True if require_walk() will build no voxels.
+  [[nodiscard]] bool fits_walk() const {
+    return volume_ && !by_blocks_ && volume_->fits(Classification::kBefore, false);
+  }
+  /// Prepares an unlit volume for the ids and depths of a picture by sheets. As require(); if the voxels take
+  /// too much memory, blocks stand in for them for a depth cue alone.
+  [[nodiscard]] Result<void> require_walk(const View& view, const RenderOptions& options,
+                                          const std::shared_ptr<const Atlas>& atlas,
+                                          const DrawnSelection& drawn, const ClassCache& cache,
+                                          std::uint64_t max_memory_bytes, ThreadPool& pool);
   /// Records the times of the latest frame.
   void took(const RenderStats& stats, const RenderOptions& options) {
     if (!by_blocks_ && options.classification == Classification::kBefore) pace_.took(stats, options);
@@ -40,6 +51,10 @@ class RayStore {
 
   /// The volume of the latest frame; require() or require_blocks() must have succeeded.
   [[nodiscard]] RayVolume& volume() { return level_ > 0 && !by_blocks_ ? *means_ : *volume_; }
+  /// Upper bound of its memory; 0 without a volume.
+  [[nodiscard]] std::uint64_t bytes() const { return volume_ ? volume_->bytes() : 0; }
+  /// The volume within the grid of the atlas.
+  [[nodiscard]] RayScene scene(const Grid& grid) { return {volume(), coarse_grid(grid, level_), level_}; }
   /// Its level: 0 for voxels, or blocks of 2^level voxels along each axis.
   [[nodiscard]] int level() const { return level_; }
 

@@ -7,11 +7,12 @@
 
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"
+#include "player/render/contributions/pixel_shares.h"
+#include "player/render/frame/ray_frame.h"
 #include "player/render/frame/stopwatch.h"
+#include "player/render/rays/cast_surfaces.h"
 #include "player/render/sheets/footprint_window.h"
-#include "player/render/sheets/ids/resolve_ids.h"
 #include "player/render/sheets/sheets.h"
-#include "player/render/sheets/span_depths.h"
 #include "player/render/sheets/splat/splat_kernels.h"
 
 namespace splatlas {
@@ -19,6 +20,8 @@ namespace {
 
 /// Maximum number of sheet pixels (2 GiB). Larger sheets get a lower resolution.
 constexpr std::int64_t kMaxSheetPixels = std::int64_t{1} << 27;
+/// Opacity at the depth of a ray: those for depths alone end there.
+constexpr float kDepthOpacity = 0.5f;
 
 /// True if a typical selected voxel can be opaque: an optical depth of at least 1. Sharp edges need finer
 /// sheets to be independent of the principal axis.
@@ -97,13 +100,27 @@ Result<RasterScene> SheetFrame::raster_scene_of_view() const {
 }
 
 Result<void> SheetFrame::begin_volume(Picture& picture) {
-  if (scene_.options.ids) {
-    buffers_.ids.size = picture.size;
-    buffers_.ids.numbers.resize(picture.rgba.size() / 4);
-  }
   SPLATLAS_ASSIGN_OR_RETURN(
       window_, choose_window(volume_, sampling_of(volume_, scene_.options.quality), picture.size, planes()));
+  if (scene_.walked) walk(*scene_.walked);
   return {};
+}
+
+/// Finds the depths, and the ids where the volume alone shows. One step a slab suffices but in high quality.
+void SheetFrame::walk(const RayScene& scene) {
+  Stopwatch watch;
+  const RenderOptions& options = scene_.options;
+  walk_ = cast_options(scene_, scene.grid);
+  if (options.quality == Quality::kNormal) walk_.max_steps = 1, walk_.tolerance = 0;
+  if (!options.ids) walk_.rays = {};
+  walk_.termination_threshold =
+      options.ids ? options.termination_threshold.value_or(kMinIdOpacity) : kDepthOpacity;
+  walk_.cuts = cuts();
+  walk_.faces = faces();
+  walk_.ids = options.ids ? &buffers_.ids : nullptr;
+  walk_.depths = needs_depths() ? &buffers_.depths : nullptr;
+  cast_rays(scene.volume, scene_.view, scene.grid, walk_, kernels(), nullptr, pool_);
+  stats_.ids += watch.lap();
 }
 
 Result<void> SheetFrame::resolve(const PixelBox& region, Picture& picture) {
@@ -113,14 +130,17 @@ Result<void> SheetFrame::resolve(const PixelBox& region, Picture& picture) {
   splatlas::resolve(buffers_.sheet, volume_.shear, fragments(), region,
                     scene_.overrides.simd ? best_warp() : scalar_warp(), paints_surfaces(), picture, pool_);
   stats_.resolve += watch.lap();
-  if (scene_.options.ids) resolve_ids(region, picture);
+  if (scene_.options.ids) {
+    cast_surfaces(scene_.walked->volume, scene_.view, scene_.grid, *raster_, buffers_.fragments, walk_,
+                  kernels(), nullptr, pool_);
+  }
   stats_.ids += watch.lap();
   return {};
 }
 
 void SheetFrame::render_sheet(const SheetWindow& window) {
   const RenderOptions& options = scene_.options;
-  const auto& [spans, runs, shear, grid, detail] = volume_;
+  const auto& [spans, shear, grid, detail] = volume_;
   check_memory(bytes_of_sheet(window, spans.frame()));
   buffers_.order.build(buffers_.fragments, shear, window, options.size, grid, pool_);
   const bool has_ends = ends_at_surfaces();
@@ -130,29 +150,7 @@ void SheetFrame::render_sheet(const SheetWindow& window) {
   const float threshold = termination_threshold(options) / (window.cubic ? 1.3f : 1.0f);
   const SplatKernels& kernels = scene_.overrides.simd ? best_kernels() : scalar_kernels();
   stats_.voxels_visited += render_sheets(spans, shear, window, kernels, threshold, planes(), buffers_.order,
-                                         buffers_.sheet, pool_, nullptr, has_ends ? &buffers_.ends : nullptr);
-}
-
-/// Renders sheets again for the shares of structures: one sample a pixel and one slab a slice suffice.
-void SheetFrame::resolve_ids(const PixelBox& region, const Picture& picture) {
-  const auto& [spans, runs, shear, grid, detail] = volume_;
-  const RenderOptions& options = scene_.options;
-  SheetSampling sampling = sampling_of(volume_, options.quality);
-  const auto pixels = static_cast<int>(std::ceil(std::min(shear.voxel_pixels(), 1e3) - 0.25));
-  sampling = {std::clamp(pixels, 1, sampling.scale), 1, false};
-  const SheetWindow window = part_of_window(choose_window(volume_, sampling, options.size, planes()).value(),
-                                            shear, region);  // the finer fits
-  buffers_.order.build(buffers_.fragments, shear, window, options.size, grid, pool_);
-  SharePass shares{{*runs, scene_.numbers}, buffers_.shares, buffers_.fragment_shares};
-  const SplatKernels& kernels = scene_.overrides.simd ? best_kernels() : scalar_kernels();
-  static_cast<void>(render_sheets(spans, shear, window, kernels, termination_threshold(options), planes(),
-                                  buffers_.order, buffers_.sheet, pool_, &shares));
-  splatlas::resolve_ids(buffers_.shares, shear, fragments(), buffers_.fragment_shares, region, picture,
-                        buffers_.ids, pool_);
-}
-
-void SheetFrame::add_volume_depths(const ViewDepth& view_depth) {
-  add_span_depths(volume_.spans, volume_.shear, view_depth, planes(), buffers_.depths, pool_);
+                                         buffers_.sheet, pool_, has_ends ? &buffers_.ends : nullptr);
 }
 
 }  // namespace splatlas

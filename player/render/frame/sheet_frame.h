@@ -5,7 +5,6 @@
 
 #include "player/render/frame/frame_renderer.h"
 #include "player/render/frame/span_store.h"
-#include "player/render/sheets/ids/resolve_ids.h"
 #include "player/render/sheets/warp/resolve.h"
 #include "player/render/view/sheet_window.h"
 
@@ -23,8 +22,6 @@ class SheetFrame : public FrameRenderer {
   [[nodiscard]] Result<void> begin_volume(Picture& picture) override;
   /// Splats and composites the spans sheet by sheet (Westover 1990), and warps the sheet.
   [[nodiscard]] Result<void> resolve(const PixelBox& region, Picture& picture) override;
-  void finish_ids(const Picture& picture) override { fill_rims(picture, buffers_.ids); }
-  void add_volume_depths(const ViewDepth& view_depth) override;
   [[nodiscard]] std::uint64_t voxels() const override { return volume_.spans.frame().voxels; }
   [[nodiscard]] std::optional<Axis> slice_axis() const override { return volume_.shear.principal; }
 
@@ -33,12 +30,13 @@ class SheetFrame : public FrameRenderer {
     return {buffers_.fragments, buffers_.order, cuts(), faces()};
   }
 
+  void walk(const RayScene& scene);
   void render_sheet(const SheetWindow& window);
-  void resolve_ids(const PixelBox& region, const Picture& picture);
   [[nodiscard]] int level() const override { return volume_.detail.level; }
 
   const SheetVolume& volume_;
   SheetWindow window_;  // of the whole picture
+  CastOptions walk_;    // of ids and depths
 };
 
 }  // namespace splatlas

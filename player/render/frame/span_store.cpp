@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "format/tasks/task_control.h"
 #include "player/render/clip/cut_rays.h"
 #include "player/render/frame/stopwatch.h"
 #include "player/render/sheets/splat/block_runs.h"
@@ -76,6 +77,11 @@ double stored_means(const SpanSource& source) {
 }
 
 }  // namespace
+
+std::uint64_t memory_left(std::uint64_t max_memory_bytes, std::uint64_t used) {
+  const auto all = static_cast<std::uint64_t>(std::min(max_memory(), static_cast<double>(max_memory_bytes)));
+  return std::max(all - std::min(used, all), all / 8);
+}
 
 void AxisSpans::require(const SpanSource& source, SelectedRuns runs, ThreadPool& pool) {
   const auto& [plan, appearances, selection, atlas, cache, shade] = source;
@@ -153,13 +159,12 @@ SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& vie
     means_->light(view, lighting, pool);
     stats.traversal += watch.lap();
     const Grid of_means = coarse_grid(atlas->grid(), detail.level);
-    return {SheetSpans(means_->model()), nullptr, factorise(view, of_means, &axis), of_means, detail};
+    return {SheetSpans(means_->model()), factorise(view, of_means, &axis), of_means, detail};
   }
   latest_ = axis;
   if (stats.strips) {
     const std::uint64_t strips = bytes / std::max<std::uint64_t>(max_bytes, 1) + 1;
-    return {in_strips(source, std::move(runs), lighting, strips, pool), &*strip_runs_, shear, atlas->grid(),
-            detail};
+    return {in_strips(source, std::move(runs), lighting, strips, pool), shear, atlas->grid(), detail};
   }
   strip_.reset();
   if (!spans) spans.emplace();
@@ -167,7 +172,7 @@ SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& vie
   built();
   spans->update_lighting(view, lighting, shade, options.cuts, atlas->grid(), pool);
   stats.traversal += watch.lap();
-  return {SheetSpans(spans->model()), &spans->runs(), shear, atlas->grid(), detail};
+  return {SheetSpans(spans->model()), shear, atlas->grid(), detail};
 }
 
 SheetSpans SpanStore::in_strips(const SpanSource& source, SelectedRuns runs, const Lighting& lighting,
@@ -215,7 +220,7 @@ SheetVolume SpanStore::prepare_blocks(const ParallelView& view, Axis axis, bool 
   stats.level = kMeanLevel;
   stats.strips = false;
   const Grid& grid = blocks_->grid();
-  return {SheetSpans(blocks_->model()), nullptr, factorise(view, grid, &axis), grid, {kMeanLevel, 1}};
+  return {SheetSpans(blocks_->model()), factorise(view, grid, &axis), grid, {kMeanLevel, 1}};
 }
 
 void SpanStore::took(const RenderStats& stats, const RenderOptions& options) {

@@ -18,6 +18,9 @@
 
 namespace splatlas {
 
+/// Memory that `used` bytes leave for spans; an eighth of all at least, as these cannot be less.
+[[nodiscard]] std::uint64_t memory_left(std::uint64_t max_memory_bytes, std::uint64_t used);
+
 /// Decoded data of a selection, the input of its spans.
 struct SpanSource {
   const DrawPlan& plan;
@@ -31,9 +34,8 @@ struct SpanSource {
 /// The volume of a frame by sheets: spans of the voxels, or of downsampled ones.
 struct SheetVolume {
   SheetSpans spans;
-  const SelectedRuns* runs;  ///< of the spans; null if downsampled
-  Shear shear;               ///< of `grid`
-  Grid grid;                 ///< of the spans
+  Shear shear;  ///< of `grid`
+  Grid grid;    ///< of the spans
   VolumeDetail detail;
 };
 

@@ -54,9 +54,17 @@ class BlockCaster {
  public:
   /// References must outlive this object.
   BlockCaster(const RayVolume& volume, const PixelRays& rays, const MarchScene& scene,
-              const CastOptions& options, const MarchKernels& kernels, Picture& picture)
-      : volume_(volume), rays_(rays), scene_(scene), options_(options), kernels_(kernels), picture_(picture) {
-    if (options.ids != nullptr) shares_.emplace(volume);
+              const CastOptions& options, const MarchKernels& kernels, const PictureSize& size,
+              const ViewDepth& view_depth, Picture* picture)
+      : volume_(volume),
+        rays_(rays),
+        scene_(scene),
+        options_(options),
+        kernels_(kernels),
+        size_(size),
+        view_depth_(view_depth),
+        picture_(picture) {
+    if (options.ids != nullptr || options.depths != nullptr) shares_.emplace(volume);
   }
 
   void render(int left, int top) {
@@ -67,36 +75,38 @@ class BlockCaster {
     const float weight = 1.0f / static_cast<float>(block.grid.count());
     for (std::size_t n = 0; n < kPacketRays; ++n) {
       const int x = left + static_cast<int>(n) % kBlockSide, y = top + static_cast<int>(n) / kBlockSide;
-      if (x >= picture_.size.width || y >= picture_.size.height) continue;
+      if (x >= size_.width || y >= size_.height) continue;
       const std::size_t pixel = pixel_at(x, y);
       // Without ends, the picture is empty
       const float transmittance = 1 - weight * rgba_[n][3];
-      for (std::size_t c = 0; c < 4; ++c) {
-        float& out = picture_.rgba[4 * pixel + c];
+      for (std::size_t c = 0; picture_ != nullptr && c < 4; ++c) {
+        float& out = picture_->rgba[4 * pixel + c];
         out = weight * rgba_[n][c] + transmittance * out;
       }
-      if (shares_) store_id(pixel, of_pixels_[n], weight);
+      if (options_.ids != nullptr) store_id(pixel, of_pixels_[n], weight);
     }
+    if (options_.depths == nullptr) return;
+    if (block.grid.count() > 1) cast({left, top}, 0);  // through the centres
+    for (std::size_t n = 0; n < kPacketRays; ++n) store_depth(left, top, n);
   }
 
  private:
   [[nodiscard]] std::size_t pixel_at(int x, int y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(picture_.size.width) +
-           static_cast<std::size_t>(x);
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.width) + static_cast<std::size_t>(x);
   }
 
   void cast(const RayBlock& block, int number) {
     check_task();
-    const RayPoints points = block.points(number, picture_.size);
-    RayPacket packet = rays_.through(points);
-    if (options_.cuts != nullptr) rays_.clip(*options_.cuts, points, packet);
-    if (options_.ends != nullptr || options_.faces != nullptr) end(points, packet);
+    const RayPoints points = block.points(number, size_);
+    packet_ = rays_.through(points);
+    if (options_.cuts != nullptr) rays_.clip(*options_.cuts, points, packet_);
+    if (options_.ends != nullptr || options_.faces != nullptr) end(points, packet_);
     RadiancePacket radiance;
     if (shares_) {
-      shares_->begin(packet);
+      shares_->begin(packet_);
       radiance.trace = shares_->trace();
     }
-    kernels_.march(scene_, packet, radiance);
+    kernels_.march(scene_, packet_, radiance);
     if (shares_) shares_->take();
     for (std::size_t n = 0; n < kPacketRays; ++n) {
       const std::size_t pixel = block.pixel(number, n);
@@ -132,13 +142,27 @@ class BlockCaster {
     number = sum_.largest();
   }
 
+  /// Merges the depth of the latest packet's n-th ray, which is through the centre of its pixel.
+  void store_depth(int left, int top, std::size_t n) const {
+    const int x = left + static_cast<int>(n) % kBlockSide, y = top + static_cast<int>(n) / kBlockSide;
+    if (x >= size_.width || y >= size_.height || std::isinf(shares_->depth_of_ray(n))) return;
+    const std::size_t axis = principal_axis_of(packet_, n);
+    const double index = static_cast<double>(packet_.step[axis][n] * shares_->depth_of_ray(n)) +
+                         static_cast<double>(volume_.first()[axis]);
+    float& mm = options_.depths->mm[pixel_at(x, y)];
+    mm = std::min(mm, static_cast<float>(view_depth_.mm(x + 0.5, y + 0.5, axis, index)));
+  }
+
   const RayVolume& volume_;
   const PixelRays& rays_;
   const MarchScene& scene_;
   const CastOptions& options_;
   const MarchKernels& kernels_;
-  Picture& picture_;
-  std::optional<RayShares> shares_;  // with ids
+  PictureSize size_;
+  const ViewDepth& view_depth_;
+  Picture* picture_;
+  std::optional<RayShares> shares_;  // with ids or depths
+  RayPacket packet_;                 // the latest
   // Of the pixels of the current block: sums over their rays
   std::array<std::array<float, 4>, kPacketRays> rgba_{};
   std::array<PixelShares, kPacketRays> of_pixels_;
@@ -147,9 +171,10 @@ class BlockCaster {
 
 /// Casts the rays of all blocks that may show the volume.
 void cast_blocks(const RayVolume& volume, const View& view, const Grid& grid, const CastOptions& options,
-                 const MarchKernels& kernels, Picture& picture, ThreadPool& pool) {
+                 const MarchKernels& kernels, Picture* picture, ThreadPool& pool) {
   const PixelRays rays(view, grid, volume.first(), options.principal_axis);
   const MarchScene scene = march_scene(volume, options);
+  const ViewDepth view_depth(view, grid);
   const PixelBox shown = shown_box(volume, view, grid);
   const auto side = [](int of_pixel) { return std::max(kTileRays / of_pixel / kBlockSide, 1) * kBlockSide; };
   const int width = side(options.rays.columns), height = side(options.rays.rows);  // of a tile
@@ -161,7 +186,7 @@ void cast_blocks(const RayVolume& volume, const View& view, const Grid& grid, co
     const int top = shown.top + static_cast<int>(n / static_cast<std::size_t>(columns)) * height;
     const int right = std::min(left + width, shown.right);
     const int bottom = std::min(top + height, shown.bottom);
-    BlockCaster caster(volume, rays, scene, options, kernels, picture);
+    BlockCaster caster(volume, rays, scene, options, kernels, view.plane.size, view_depth, picture);
     for (int y = top; y < bottom; y += kBlockSide) {
       for (int x = left; x < right; x += kBlockSide) caster.render(x, y);
     }
@@ -195,15 +220,15 @@ MarchScene march_scene(const RayVolume& volume, const CastOptions& options) {
 }
 
 void cast_rays(const RayVolume& volume, const View& view, const Grid& grid, const CastOptions& options,
-               const MarchKernels& kernels, Picture& picture, ThreadPool& pool) {
+               const MarchKernels& kernels, Picture* picture, ThreadPool& pool) {
   const PictureSize size = view.plane.size;
-  picture.size = size;
-  if (options.ends == nullptr)
-    picture.rgba.assign(4 * static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height),
-                        0.0f);
+  if (picture != nullptr) picture->size = size;
+  if (picture != nullptr && options.ends == nullptr)
+    picture->rgba.assign(4 * static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height),
+                         0.0f);
   if (options.ids != nullptr) begin_ids(size, options.faces, *options.ids);
   if (!volume.empty()) cast_blocks(volume, view, grid, options, kernels, picture, pool);
-  if (options.faces != nullptr) add_faces(*options.faces, picture, pool);
+  if (picture != nullptr && options.faces != nullptr) add_faces(*options.faces, *picture, pool);
 }
 
 }  // namespace splatlas

@@ -36,6 +36,8 @@ struct CastOptions {
   /// Numbers of the structures of the pixels, whatever their opacity; null: not asked for. The volume must
   /// have structure numbers.
   IdImage* ids = nullptr;
+  /// Merges the depths of the volume at pixel centres, by minimum; null: not asked for.
+  DepthMap* depths = nullptr;
 };
 
 /// View of `volume` for the kernels. The volume must outlive the scene.
@@ -44,7 +46,8 @@ struct CastOptions {
 /// Renders the volume. Each ray is sampled at the planes of voxels normal to its principal axis, and in
 /// between as the tolerance requires. In perspective it begins at the eye, which may lie inside the volume.
 /// Packets are 4x4 neighbouring rays. Pictures do not depend on the number of threads.
+/// `picture`: null to find ids and depths alone.
 void cast_rays(const RayVolume& volume, const View& view, const Grid& grid, const CastOptions& options,
-               const MarchKernels& kernels, Picture& picture, ThreadPool& pool);
+               const MarchKernels& kernels, Picture* picture, ThreadPool& pool);
 
 }  // namespace splatlas

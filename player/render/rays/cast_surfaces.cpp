@@ -169,7 +169,7 @@ Result<RasterScene> raster_scene_of_rays(std::span<const SurfaceDraw> surfaces, 
 
 void cast_surfaces(const RayVolume& volume, const View& view, const Grid& grid, const RasterScene& scene,
                    const FragmentList& fragments, const CastOptions& options, const MarchKernels& kernels,
-                   Picture& picture, ThreadPool& pool) {
+                   Picture* picture, ThreadPool& pool) {
   const std::size_t samples = fragments.sample_count();
   if (samples == 0) return;
   const PixelRays rays(view, grid, volume.first(), options.principal_axis);
@@ -189,7 +189,7 @@ void cast_surfaces(const RayVolume& volume, const View& view, const Grid& grid, 
       const RayGrid of_sample = packet.rays_of_samples(volume.empty() ? RayGrid{} : options.rays);
       const float weight = 1.0f / static_cast<float>(of_sample.count());
       for (int ray = 0; ray < of_sample.count(); ++ray) {
-        packet.render(rays, options.cuts, picture.size.width, scene, of_sample, ray);
+        packet.render(rays, options.cuts, view.plane.size.width, scene, of_sample, ray);
         for (std::size_t n = 0; n < packet.count(); ++n) {
           radiances[first + n] += packet.radiance(n);
           if (of_packet) packet.add_shares(n, weight, shares[first + n]);
@@ -205,8 +205,8 @@ void cast_surfaces(const RayVolume& volume, const View& view, const Grid& grid, 
     std::size_t last = first;
     Radiance sum;
     for (; last < samples && fragments.samples[last].pixel == pixel; ++last) sum += radiances[last];
-    for (std::size_t c = 0; c < 4; ++c) {
-      picture.rgba[4 * std::size_t{pixel} + c] = sum.rgba[c] / static_cast<float>(last - first);
+    for (std::size_t c = 0; picture != nullptr && c < 4; ++c) {
+      picture->rgba[4 * std::size_t{pixel} + c] = sum.rgba[c] / static_cast<float>(last - first);
     }
     if (options.ids != nullptr) {
       for (std::size_t n = first + 1; n < last; ++n) shares[first].add(shares[n], 1);

@@ -17,9 +17,9 @@ namespace splatlas {
 
 /// Renders the pixels with fragments again. The ray of each sample alternates between the volume up to the
 /// next fragment and the fragment; the pixel is the mean of its samples. Fragments are those of `scene`.
-/// Cost: linear in the samples and the volume along their rays.
+/// `picture`: null to find the ids alone. Cost: linear in the samples and the volume along their rays.
 void cast_surfaces(const RayVolume& volume, const View& view, const Grid& grid, const RasterScene& scene,
                    const FragmentList& fragments, const CastOptions& options, const MarchKernels& kernels,
-                   Picture& picture, ThreadPool& pool);
+                   Picture* picture, ThreadPool& pool);
 
 }  // namespace splatlas

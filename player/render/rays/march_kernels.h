@@ -57,11 +57,11 @@ struct RayPacket {
   alignas(64) std::array<float, kPacketRays> from{}, to{};  ///< interval to integrate; empty if from >= to
 };
 
-/// Opacity of a packet's rays behind each step, for the shares of structures.
+/// Opacity of a packet's rays behind each step, for shares of structures and depths.
 struct MarchTrace {
   struct Step {
-    alignas(64) std::array<float, kPacketRays> middle;   ///< t of the middle of the step
-    alignas(64) std::array<float, kPacketRays> opacity;  ///< behind the step
+    alignas(64) std::array<float, kPacketRays> from, to;  ///< t of the ends of the step
+    alignas(64) std::array<float, kPacketRays> opacity;   ///< behind the step
   };
   static constexpr std::size_t kSteps = 32;
 

@@ -1,9 +1,22 @@
 #include "player/render/rays/ray_shares.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 
 namespace splatlas {
+namespace {
+
+constexpr float kOpaque = 1e-6f;  // rounding error of a transmittance
+
+/// Where a step of constant extinction reaches an opacity of one half, given the opacities at its ends.
+float half_of(float from, float to, float before, float behind) {
+  const float share = std::log(2 * (1 - before)) / std::log((1 - before) / std::max(1 - behind, kOpaque));
+  return from + share * (to - from);
+}
+
+}  // namespace
 
 RayShares::RayShares(const RayVolume& volume) : volume_(volume) {
   trace_.owner = this;
@@ -21,6 +34,7 @@ RayShares::RayShares(const RayVolume& volume) : volume_(volume) {
 void RayShares::begin(const RayPacket& rays) {
   rays_ = &rays;
   seen_.fill(0);
+  depths_.fill(std::numeric_limits<float>::infinity());
   for (PixelShares& shares : shares_) shares.clear();
   trace_.count = 0;
 }
@@ -29,10 +43,12 @@ void RayShares::take() {
   for (std::size_t n = 0; n < trace_.count; ++n) {
     const MarchTrace::Step& step = trace_.steps[n];
     for (std::size_t ray = 0; ray < kPacketRays; ++ray) {
-      const float rise = step.opacity[ray] - seen_[ray];
+      const float before = seen_[ray], behind = step.opacity[ray], rise = behind - before;
       if (!(rise > 0)) continue;
-      seen_[ray] = step.opacity[ray];
-      add(ray, rise, step.middle[ray]);
+      seen_[ray] = behind;
+      if (before < 0.5f && behind >= 0.5f)
+        depths_[ray] = half_of(step.from[ray], step.to[ray], before, behind);
+      if (cells_ != nullptr) add(ray, rise, 0.5f * (step.from[ray] + step.to[ray]));
     }
   }
   trace_.count = 0;

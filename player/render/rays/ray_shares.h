@@ -1,4 +1,4 @@
-// Shares of structures in the opacity of rays.
+// Shares of structures in the opacity of rays, and their depths.
 #pragma once
 
 #include <array>
@@ -11,12 +11,12 @@
 
 namespace splatlas {
 
-/// Shares of structures along the rays of a packet. The opacity of a step belongs to the structures of the
-/// eight voxels around its middle: in proportion to their extinctions with pre-classification, and to the
-/// trilinear weights with post-classification. Not thread-safe.
+/// Shares of structures along the rays of a packet, and where each ray reaches half opacity. The opacity of a
+/// step belongs to the structures of the eight voxels around its middle: in proportion to their extinctions
+/// with pre-classification, and to the trilinear weights with post-classification. Not thread-safe.
 class RayShares {
  public:
-  /// `volume` must have structure numbers, unless it is empty, and outlive the shares.
+  /// `volume` must outlive the shares. Without structure numbers, it has depths alone.
   explicit RayShares(const RayVolume& volume);
   RayShares(const RayShares&) = delete;
   RayShares& operator=(const RayShares&) = delete;
@@ -31,6 +31,8 @@ class RayShares {
   void add_fragment(std::size_t ray, StructureIndex structure, float opacity);
 
   [[nodiscard]] const PixelShares& of_ray(std::size_t ray) const { return shares_[ray]; }
+  /// The t at which the volume along a ray reaches an opacity of one half; infinite if it does not.
+  [[nodiscard]] float depth_of_ray(std::size_t ray) const { return depths_[ray]; }
 
  private:
   struct Trace : MarchTrace {
@@ -46,6 +48,7 @@ class RayShares {
   const RayPacket* rays_ = nullptr;
   std::array<float, kPacketRays> seen_{};  // opacity so far
   std::array<PixelShares, kPacketRays> shares_;
+  std::array<float, kPacketRays> depths_{};
   Trace trace_;
 };
 

@@ -26,34 +26,19 @@ struct SheetPass {
   const SheetEnds* ends;  ///< in place of fragments; null: none
 };
 
-/// Trace policy of a band that records nothing; members as in BandShares.
-struct NoTrace {
-  struct Frame {
-    void begin(const auto&...) const {}
-    void finish(const auto&...) const {}
-  };
-  void begin(const auto&...) const {}
-  void begin_slab(const auto&...) const {}
-  void add(const auto&...) const {}
-  void add_fragment(const auto&...) const {}
-  void store() const {}
-};
-
 /// Rendering of the rows of `image` through all slices, front to back. `Clip`: a policy of band_clip.h.
-/// `Trace`: a policy that sees each slab, as NoTrace and BandShares do. `Surfaces`: what gets the radiance in
-/// front of surfaces, SheetFragments or BandEnds.
-template <class Clip, class Trace, class Surfaces>
+/// `Surfaces`: what gets the radiance in front of surfaces, SheetFragments or BandEnds.
+template <class Clip, class Surfaces>
 class Band {
  public:
   /// All references must outlive it.
-  Band(const SheetPass& pass, const Clip& clip, Trace& trace, BandImage& image, Surfaces& surfaces)
+  Band(const SheetPass& pass, const Clip& clip, BandImage& image, Surfaces& surfaces)
       : pass_(pass),
         scale_(pass.window.scale),
         group_(static_cast<std::int64_t>(SheetRows::group_size(pass.window.scale))),
         image_(image),
         surfaces_(surfaces),
-        clip_(clip),
-        trace_(trace) {}
+        clip_(clip) {}
 
   void render() {
     std::int64_t next = -1;  // first interval that is not rendered yet
@@ -64,7 +49,7 @@ class Band {
       check_task();
       if (pass_.window.parts == 1) {  // slabs around slices
         const auto k = static_cast<double>(slice.number);
-        if (!removes(k)) render_slab({slice, k, {pass_.shear, pass_.window, k}}, {&slice, nullptr, 0});
+        if (!removes(k)) render_slab({slice, k, {pass_.shear, pass_.window, k}});
         continue;
       }
       const std::int64_t n = from_viewer(slice.number - pass_.model.slice_first);
@@ -72,9 +57,8 @@ class Band {
     }
     if (!surfaces_.empty()) {
       for (std::int64_t row = image_.first_fine_row(); row < image_.last_fine_row(); ++row)
-        surfaces_.finish(row, image_.accumulated(row), trace_);
+        surfaces_.finish(row, image_.accumulated(row));
     }
-    trace_.store();
   }
 
  private:
@@ -113,13 +97,12 @@ class Band {
       const std::int64_t first = rows.upper_from(scale_ - 1, image_.first_fine_row());
       const std::int64_t last = rows.upper_from(0, image_.last_fine_row()) + 1;
       mix_slices(pair, first, last, clip_.visible(k, first, last), pass_.kernels, mixed);
-      if (!mixed.spans.empty()) render_slab({mixed, k, rows}, pair);
+      if (!mixed.spans.empty()) render_slab({mixed, k, rows});
     }
   }
 
-  /// Splats and composites a slab, interpolated between the slices of `pair`.
-  void render_slab(const Slab& slab, const SlicePair& pair) {
-    trace_.begin_slab(pair);
+  /// Splats and composites a slab.
+  void render_slab(const Slab& slab) {
     // Find the sub-pixel offset of each phase
     const double u_shift = pass_.shear.u_shift(slab.k) - static_cast<double>(pass_.window.u0);
     phases_.clear();
@@ -179,7 +162,7 @@ class Band {
   void composite(const Slab& slab, SheetRows& rows, std::int64_t fine_row, const ClipRows& clip) {
     const std::int32_t number = pass_.fragments.slab_of(slab.k);
     for_each_row_with_surfaces(rows, fine_row, [&](std::int64_t row) {
-      surfaces_.before_slab(row, number, image_.accumulated(row), trace_);
+      surfaces_.before_slab(row, number, image_.accumulated(row));
     });
     // Composite groups of phases between updates of the fragments
     const auto slab_mm = static_cast<float>(pass_.shear.slab_mm / pass_.window.parts);
@@ -192,10 +175,8 @@ class Band {
       pass_.kernels.composite(rows, of_phases, slab_mm, pass_.termination_threshold,
                               image_.rows(fine_row, static_cast<std::int64_t>(phase)));
     }
-    trace_.add(rows, phases_, fine_row);
-    for_each_row_with_surfaces(rows, fine_row, [&](std::int64_t row) {
-      surfaces_.behind_slab(row, image_.accumulated(row), trace_);
-    });
+    for_each_row_with_surfaces(
+        rows, fine_row, [&](std::int64_t row) { surfaces_.behind_slab(row, image_.accumulated(row)); });
   }
 
   /// Calls body(fine row) for rows that receive footprints, if there are any surfaces.
@@ -214,7 +195,6 @@ class Band {
   BandImage& image_;
   Surfaces& surfaces_;
   Clip clip_;
-  Trace& trace_;
   std::vector<Phase> phases_;  // of the current slab
 };
 

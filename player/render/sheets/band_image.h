@@ -17,7 +17,6 @@ struct AccumulatedRow {
   const float* first = nullptr;  ///< pixel 0 of phase 0, first plane
   std::int64_t planes = 4;       ///< 4 or 2
   std::int64_t plane_stride = 0, phase_stride = 0;
-  std::int64_t fine_row = 0;
 };
 
 /// Radiance and opacity of rows [first, last) of a window, in voxels; each row has `scale` fine rows. Layout:
@@ -54,7 +53,7 @@ class BandImage {
   }
   /// All phases of a fine row.
   [[nodiscard]] AccumulatedRow accumulated(std::int64_t fine_row) const {
-    return {row(fine_row, 0), planes_, stride_, phase_stride(), fine_row};
+    return {row(fine_row, 0), planes_, stride_, phase_stride()};
   }
   /// Kernel access from a fine row and a phase on. Pairs of voxel rows are `scale` fine rows apart.
   [[nodiscard]] ImageRows rows(std::int64_t fine_row, std::int64_t phase) {

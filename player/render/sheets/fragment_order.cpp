@@ -198,18 +198,13 @@ float FragmentOrder::kept_part(std::int32_t slab, double depth, const ClipDepths
   return static_cast<float>(std::clamp((along_of_depth(depth) - from) / (to - from), 0.0, 1.0));
 }
 
-float FragmentOrder::slab_share(std::size_t fragment, float depth, const ClipDepths* kept) const {
-  const SlabRadiance& slab = radiance_[place_[fragment]];
-  const SlabPlace place = slab_at(along_of_depth(static_cast<double>(depth)));
-  const float part = kept == nullptr ? place.part : kept_part(place.slab, static_cast<double>(depth), *kept);
-  return share_in_slab(slab.before.rgba[3], slab.behind.rgba[3], part);
-}
-
 Radiance FragmentOrder::in_front_of(std::size_t fragment, float depth, const ClipDepths* kept) const {
   if (place_[fragment] == kNowhere) return {};
   const SlabRadiance& slab = radiance_[place_[fragment]];
   if (!(slab.behind.rgba[3] - slab.before.rgba[3] > 0)) return slab.before;
-  const float share = slab_share(fragment, depth, kept);
+  const SlabPlace place = slab_at(along_of_depth(static_cast<double>(depth)));
+  const float part = kept == nullptr ? place.part : kept_part(place.slab, static_cast<double>(depth), *kept);
+  const float share = share_in_slab(slab.before.rgba[3], slab.behind.rgba[3], part);
   Radiance radiance;
   for (std::size_t c = 0; c < 4; ++c) {
     radiance.rgba[c] = slab.before.rgba[c] + share * (slab.behind.rgba[c] - slab.before.rgba[c]);

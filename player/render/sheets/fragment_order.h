@@ -78,13 +78,6 @@ class FragmentOrder {
   /// kept part of its ray; null without a cut.
   [[nodiscard]] Radiance in_front_of(std::size_t fragment, float depth, const ClipDepths* kept) const;
 
-  /// Number of entries.
-  [[nodiscard]] std::size_t entries() const { return entries_.size(); }
-  /// Index of a fragment's entry, or kNowhere.
-  [[nodiscard]] std::uint32_t entry_of(std::size_t fragment) const { return place_[fragment]; }
-  /// Share of the radiance of a fragment's slab that is in front of it. The fragment has an entry.
-  [[nodiscard]] float slab_share(std::size_t fragment, float depth, const ClipDepths* kept) const;
-
   /// Place of a depth among the slabs.
   [[nodiscard]] SlabPlace place_of_depth(double depth) const { return slab_at(along_of_depth(depth)); }
   /// Index of the slab that contains position `k` along the principal axis, in voxels of the grid.

@@ -47,15 +47,13 @@ class BandEnds {
 
   [[nodiscard]] bool empty() const { return all_.empty(); }
   /// As of SheetFragments.
-  void before_slab(std::int64_t fine_row, std::int32_t slab, const AccumulatedRow& row, const auto& trace) {
-    static_cast<void>(row), static_cast<void>(trace);
+  void before_slab(std::int64_t fine_row, std::int32_t slab, const AccumulatedRow& /*row*/) {
     if (Row& of = rows_[static_cast<std::size_t>(fine_row - first_)]; of.next_slab <= slab) reach(of, slab);
   }
-  void behind_slab(std::int64_t fine_row, const AccumulatedRow& row, const auto& trace) {
-    static_cast<void>(row), static_cast<void>(trace);
+  void behind_slab(std::int64_t fine_row, const AccumulatedRow& /*row*/) {
     if (Row& of = rows_[static_cast<std::size_t>(fine_row - first_)]; of.waiting < of.next) pass(of);
   }
-  void finish(std::int64_t /*fine_row*/, const AccumulatedRow& /*row*/, const auto& /*trace*/) {}
+  void finish(std::int64_t /*fine_row*/, const AccumulatedRow& /*row*/) {}
 
   /// Puts the radiance in front of the surfaces into the image. After the last slab.
   void restore();

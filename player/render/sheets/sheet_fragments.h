@@ -11,14 +11,6 @@
 
 namespace splatlas {
 
-/// Contribution of a pixel to what is in front of a fragment.
-struct FragmentPixel {
-  std::size_t entry = 0;                ///< FragmentOrder::entry()
-  bool before = false, behind = false;  ///< of the fragment's slab: in front of it, in front of its end
-  float weight = 0;
-  std::int64_t phase = 0, column = 0;  ///< of the pixel in its row
-};
-
 /// Interpolates the accumulated radiance of a band of rows at the adjacent fragments. Rows change only while
 /// a slab is composited, so that each fragment is visited only at its own slab.
 class SheetFragments {
@@ -29,22 +21,20 @@ class SheetFragments {
                  const std::array<float, 3>& color);
 
   [[nodiscard]] bool empty() const { return order_.empty(); }
-  /// To call before and after a slab is composited onto a row; slabs come front to back. Also calls
-  /// trace.add_fragment() for the pixels in front of fragments.
-  void before_slab(std::int64_t fine_row, std::int32_t slab, const AccumulatedRow& row, auto& trace) {
+  /// To call before and after a slab is composited onto a row; slabs come front to back.
+  void before_slab(std::int64_t fine_row, std::int32_t slab, const AccumulatedRow& row) {
     for (Cursor& cursor : cursors_[static_cast<std::size_t>(fine_row - first_)]) {
-      if (cursor.next_slab <= slab) reach(cursor, slab, row, trace);
+      if (cursor.next_slab <= slab) reach(cursor, slab, row);
     }
   }
-  void behind_slab(std::int64_t fine_row, const AccumulatedRow& row, auto& trace) {
+  void behind_slab(std::int64_t fine_row, const AccumulatedRow& row) {
     for (Cursor& cursor : cursors_[static_cast<std::size_t>(fine_row - first_)]) {
-      for (; cursor.waiting < cursor.next; ++cursor.waiting)
-        add(cursor, cursor.waiting, false, true, row, trace);
+      for (; cursor.waiting < cursor.next; ++cursor.waiting) add(cursor, cursor.waiting, false, true, row);
     }
   }
   /// After the last slab of a row.
-  void finish(std::int64_t fine_row, const AccumulatedRow& row, auto& trace) {
-    before_slab(fine_row, kBehindEverything, row, trace);
+  void finish(std::int64_t fine_row, const AccumulatedRow& row) {
+    before_slab(fine_row, kBehindEverything, row);
   }
 
   /// Adds deferred contributions, once all bands are finished.
@@ -67,29 +57,21 @@ class SheetFragments {
 
   /// Fragments in front of `slab` get the current radiance for both ends of their slab. Fragments within it
   /// get it for the front, and wait for the end of the slab.
-  void reach(Cursor& cursor, std::int32_t slab, const AccumulatedRow& row, auto& trace) {
+  void reach(Cursor& cursor, std::int32_t slab, const AccumulatedRow& row) {
     std::size_t n = cursor.next;
-    for (; n < cursor.end && order_.entry(n).slab < slab; ++n) add(cursor, n, true, true, row, trace);
+    for (; n < cursor.end && order_.entry(n).slab < slab; ++n) add(cursor, n, true, true, row);
     cursor.waiting = n;
-    for (; n < cursor.end && order_.entry(n).slab == slab; ++n) add(cursor, n, true, false, row, trace);
+    for (; n < cursor.end && order_.entry(n).slab == slab; ++n) add(cursor, n, true, false, row);
     set_next(cursor, n);
   }
 
   /// Adds the row's contribution to what is in front of entry n, and of the end of its slab.
-  void add(const Cursor& cursor, std::size_t n, bool before, bool behind, const AccumulatedRow& row,
-           auto& trace) {
+  void add(const Cursor& cursor, std::size_t n, bool before, bool behind, const AccumulatedRow& row) {
     const FragmentOrder::SheetPlace& place = order_.place_of_sample(order_.entry(n).sample);
     SlabRadiance& radiance = cursor.radiance[n - cursor.first];
     const Radiance share = this->share(place, cursor.row_is_below, row);
     if (before) radiance.before += share;
     if (behind) radiance.behind += share;
-    const std::size_t left = cursor.row_is_below ? 2 : 0;
-    const bool same_column = place.phase + 1 < scale_;
-    trace.add_fragment(FragmentPixel{n, before, behind, place.weights[left], place.phase, place.column}, row);
-    trace.add_fragment(
-        FragmentPixel{n, before, behind, place.weights[left + 1], same_column ? place.phase + 1 : 0,
-                      same_column ? place.column : place.column + 1},
-        row);
   }
   /// The row's contribution to the interpolated radiance in front of a fragment.
   [[nodiscard]] Radiance share(const FragmentOrder::SheetPlace& place, bool row_is_below,

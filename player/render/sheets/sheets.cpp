@@ -8,7 +8,6 @@
 #include "player/render/clip/clip_rows.h"
 #include "player/render/clip/clip_slabs.h"
 #include "player/render/sheets/band.h"
-#include "player/render/sheets/ids/sheet_shares.h"
 #include "player/render/sheets/sheet_ends.h"
 #include "player/render/sheets/splat/block_runs.h"
 
@@ -125,10 +124,9 @@ std::uint64_t count_voxels(const SheetPass& pass, const Clip& clip, std::int64_t
 }
 
 /// Renders the bands in parallel. Returns the number of splatted voxels.
-template <class Trace, class Clip>
+template <class Clip>
 std::uint64_t render_bands(const SheetPass& pass, const SheetSpans& spans, const Clip& clip,
-                           typename Trace::Frame& frame, FragmentOrder& order, SheetImage& sheet,
-                           ThreadPool& pool) {
+                           FragmentOrder& order, SheetImage& sheet, ThreadPool& pool) {
   // Split the window into bands
   const SheetWindow& window = pass.window;
   const std::int64_t row_bytes =
@@ -140,25 +138,19 @@ std::uint64_t render_bands(const SheetPass& pass, const SheetSpans& spans, const
     const std::int64_t last = std::min(row + band_rows, window.rows);
     fragments.emplace_back(order, row * window.scale, last * window.scale, window, pass.model.color);
   }
-  frame.begin(window, band_rows);
 
   const auto render_band = [&](const SheetPass& strip, std::size_t n) {
     // Reuse memory: page faults would cost more than the band
     static thread_local std::vector<float> floats;
-    static thread_local Trace trace;
     const std::int64_t first = static_cast<std::int64_t>(n) * band_rows;
     BandImage image(window, strip.model.emissions, first, std::min(first + band_rows, window.rows), floats);
-    trace.begin(frame, pass.shear, window, image, n);
-    if constexpr (std::is_same_v<Trace, NoTrace>) {  // shares need all fragments
-      if (pass.ends != nullptr) {
-        BandEnds ends(*pass.ends, image);
-        Band(strip, clip, trace, image, ends).render();
-        ends.restore();
-        image.store(sheet);
-        return;
-      }
+    if (pass.ends != nullptr) {
+      BandEnds ends(*pass.ends, image);
+      Band(strip, clip, image, ends).render();
+      ends.restore();
+    } else {
+      Band(strip, clip, image, fragments[n]).render();
     }
-    Band(strip, clip, trace, image, fragments[n]).render();
     image.store(sheet);
   };
   std::uint64_t voxels = 0;
@@ -174,7 +166,6 @@ std::uint64_t render_bands(const SheetPass& pass, const SheetSpans& spans, const
         voxels += count_voxels(strip, clip, fine_row(first), fine_row(last));
       });
   for (SheetFragments& of_band : fragments) of_band.merge();
-  frame.finish(order);
   return voxels;
 }
 
@@ -183,17 +174,12 @@ std::uint64_t render_bands(const SheetPass& pass, const SheetSpans& spans, const
 std::uint64_t render_sheets(const SheetSpans& spans, const Shear& shear, const SheetWindow& window,
                             const SplatKernels& kernels, float termination_threshold,
                             std::span<const VoxelPlane> planes, FragmentOrder& fragments, SheetImage& image,
-                            ThreadPool& pool, SharePass* shares, const SheetEnds* ends) {
+                            ThreadPool& pool, const SheetEnds* ends) {
   const SheetPass pass{spans.frame(), shear, window, kernels, termination_threshold, fragments, ends};
   begin_sheet(pass, image);
-  const auto render = [&](const auto& clip) {
-    NoTrace::Frame none;
-    return shares == nullptr ? render_bands<NoTrace>(pass, spans, clip, none, fragments, image, pool)
-                             : render_bands<BandShares>(pass, spans, clip, *shares, fragments, image, pool);
-  };
-  if (planes.empty()) return render(NoClip());
+  if (planes.empty()) return render_bands(pass, spans, NoClip(), fragments, image, pool);
   const ClipSlabs slabs(planes, shear, window, ImageRows::kMargin);
-  return render(BandClip(slabs, window.scale));
+  return render_bands(pass, spans, BandClip(slabs, window.scale), fragments, image, pool);
 }
 
 }  // namespace splatlas

@@ -16,7 +16,6 @@
 namespace splatlas {
 
 class SheetEnds;
-struct SharePass;
 
 /// Splats the slices into sheets (Westover 1990) in sheared object space (Lacroute and Levoy 1994) and
 /// composites them front to back. Also computes the radiance in front of every fragment; `fragments` must be
@@ -25,13 +24,12 @@ struct SharePass;
 /// `termination_threshold`. Bands of rows are independent and run in parallel; the result does not depend on
 /// the number of threads. The planes of a cut clip the slabs (ClipSlabs). Returns the number of splatted
 /// voxels, each counted once but for those at borders of strips; with a cut, of spans that are not removed as
-/// a whole. Cost: visible voxels * scale^2 * parts, plus fragments and pixels of the window. `shares`: also
-/// computes the shares of structures; null: not asked for. `ends`: rays end there, and there are no
-/// fragments; null: no ends.
+/// a whole. Cost: visible voxels * scale^2 * parts, plus fragments and pixels of the window. `ends`: rays
+/// end there, and there are no fragments; null: no ends.
 [[nodiscard]] std::uint64_t render_sheets(const SheetSpans& spans, const Shear& shear,
                                           const SheetWindow& window, const SplatKernels& kernels,
                                           float termination_threshold, std::span<const VoxelPlane> planes,
                                           FragmentOrder& fragments, SheetImage& image, ThreadPool& pool,
-                                          SharePass* shares = nullptr, const SheetEnds* ends = nullptr);
+                                          const SheetEnds* ends = nullptr);
 
 }  // namespace splatlas

@@ -262,7 +262,8 @@ struct Accumulated {
     if (HWY_LIKELY(trace == nullptr)) return;
     const Lanes d;
     MarchTrace::Step& step = trace->steps[trace->count++];
-    Store(Mul(Set(d, 0.5f), Add(from, to)), d, step.middle.data());
+    Store(from, d, step.from.data());
+    Store(to, d, step.to.data());
     Store(opacity, d, step.opacity.data());
     if (trace->count == MarchTrace::kSteps) trace->take(*trace);
   }

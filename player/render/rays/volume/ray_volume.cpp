@@ -135,7 +135,8 @@ class RayVolume::Builder {
       }
     }
     check_memory(bytes_of_ray_volume(volume_.grid_, runs.count()));
-    if (const std::uint64_t bytes = bytes_needed(voxels); bytes > request_.max_memory_bytes) {
+    volume_.bytes_ = bytes_needed(voxels);
+    if (const std::uint64_t bytes = volume_.bytes_; bytes > request_.max_memory_bytes) {
       return fail(ErrorCode::kLimit,
                   "the selection's grey values take up to {} MiB for rays; {} MiB are "
                   "allowed. Select less, or raise --memory",

@@ -92,6 +92,8 @@ class RayVolume {
   /// Non-empty bricks of all sources, as MarchSource::active.
   [[nodiscard]] const std::uint32_t* active() const { return active_.data(); }
   [[nodiscard]] std::uint64_t voxels() const { return voxels_; }
+  /// Upper bound of the memory of its voxels.
+  [[nodiscard]] std::uint64_t bytes() const { return bytes_ + numbers_.size() + cell_numbers_.size(); }
   /// Number of selected runs.
   [[nodiscard]] std::uint64_t runs() const { return runs_; }
 
@@ -126,7 +128,7 @@ class RayVolume {
   std::vector<MarchSource> views_;
   std::vector<std::uint32_t> active_;
   SparseBytes numbers_, cell_numbers_;
-  std::uint64_t runs_ = 0, voxels_ = 0, lit_voxels_ = 0;
+  std::uint64_t runs_ = 0, voxels_ = 0, lit_voxels_ = 0, bytes_ = 0;
   Classification classification_ = Classification::kBefore;
   bool shade_ = false;
   std::optional<ParallelView> lit_for_;  // none: not lit, or partly lit

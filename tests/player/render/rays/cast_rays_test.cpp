@@ -214,7 +214,7 @@ TEST(CastRays, TheErrorFallsWithTheSquareOfTheSteps) {
   const auto rms = [&](int steps) {
     Picture picture;
     cast_rays(volume, *view_of(camera, size, scene.content.display), prepared.atlas->grid(),
-              {.min_steps = steps, .max_steps = steps}, best_march(), picture, prepared.pool);
+              {.min_steps = steps, .max_steps = steps}, best_march(), &picture, prepared.pool);
     return reference::difference(picture, truth).rms;
   };
   double before = rms(1);

@@ -126,7 +126,7 @@ TEST(CastSurfaces, StopsBetweenPackets) {
   fragments.samples.resize(65);
   for (std::uint32_t n = 0; n < 64; ++n) fragments.samples[n].pixel = n;
   TaskControl task(stop.get_token(), {});
-  EXPECT_THROW(cast_surfaces(volume, view, prepared.atlas->grid(), scene, fragments, {}, kStopping, picture,
+  EXPECT_THROW(cast_surfaces(volume, view, prepared.atlas->grid(), scene, fragments, {}, kStopping, &picture,
                              prepared.pool),
                Cancelled);
   EXPECT_EQ(packets, 1);
