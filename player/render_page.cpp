@@ -72,7 +72,8 @@ struct PageRenderer::Impl {
     SPLATLAS_ASSIGN_OR_RETURN(const Camera whole, renderer.fit(camera, draft));
     SPLATLAS_ASSIGN_OR_RETURN(const Frame frame, renderer.render(whole, draft));
     decode_ms += frame.stats.decode_ms;
-    std::vector<NamedStructure> structures = named_structures(frame, renderer, options.labelled);
+    std::vector<NamedStructure> structures = named_structures(
+        frame.picture, structure_at(frame), renderer.atlas().graph(), renderer.selection(), options.labelled);
     for (NamedStructure& one : structures) one.visible.pixels /= scale * scale;
     return structures;
   }
@@ -120,7 +121,9 @@ struct PageRenderer::Impl {
     AnnotatedScene scene{frame.picture, view};
     if (!keeps_alpha)
       scene.background = options.background, scene.background_bottom = options.background_bottom;
-    if (names_structures()) scene.structures = named_structures(frame, renderer, options.labelled);
+    if (names_structures())
+      scene.structures = named_structures(frame.picture, structure_at(frame), renderer.atlas().graph(),
+                                          renderer.selection(), options.labelled);
     SPLATLAS_RETURN_IF_ERROR(drawer->wait());
     const AnnotationOptions content = annotation_options(atlas.provenance());
     SPLATLAS_ASSIGN_OR_RETURN(AnnotationLayer layer, annotate_picture(scene, content, measure));

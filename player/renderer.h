@@ -40,6 +40,14 @@ struct Frame {
   std::function<std::optional<Pick>(double x, double y, const IdImage& ids)> picker;
 };
 
+/// The structures of Frame::pick() in a frame, which must live as long.
+[[nodiscard]] inline auto structure_at(const Frame& frame) {
+  return [&frame](double x, double y) {
+    const std::optional<Pick> found = frame.pick(x, y);
+    return found ? found->structure : kNoStructure;
+  };
+}
+
 /// Renders one selection of an atlas at a time. Caches decoded data: a new selection reads only additional
 /// chunks. Owns a thread pool. Not thread-safe: serialise all calls on one renderer.
 class Renderer {

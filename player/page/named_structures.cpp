@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <optional>
 
 #include "format/text/ascii_text.h"
 
@@ -31,21 +30,17 @@ std::string printed_lines(std::string_view text) {
   return lines;
 }
 
-std::vector<NamedStructure> named_structures(const Frame& frame, const Renderer& renderer,
+std::vector<NamedStructure> named_structures(const Picture& picture, const StructureAt& at,
+                                             const StructureGraph& graph, const Selection& selection,
                                              const std::vector<bool>& labelled) {
-  const auto pick = [&](double x, double y) {
-    const std::optional<Pick> found = frame.pick(x, y);
-    return found ? found->structure : kNoStructure;
-  };
   std::map<StructureIndex, VisibleStructure> visible;
-  for (const VisibleStructure& one : visible_structures(sample_structures(frame.picture, pick, kMaxPicks)))
+  for (const VisibleStructure& one : visible_structures(sample_structures(picture, at, kMaxPicks)))
     visible.emplace(one.structure, one);
-  const StructureGraph& graph = renderer.atlas().graph();
   std::vector<NamedStructure> structures;
   for (const StructureIndex s : graph.preorder()) {
     const auto found = visible.find(s);
     if (found == visible.end()) continue;
-    structures.push_back({printed_name(graph[s]), renderer.selection().structures[s].color, found->second,
+    structures.push_back({printed_name(graph[s]), selection.structures[s].color, found->second,
                           labelled.empty() || labelled[s]});
   }
   return structures;

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "format/content/selection.h"
 #include "player/page/page_layout.h"
-#include "player/renderer.h"
 
 namespace splatlas {
 
@@ -15,9 +15,11 @@ namespace splatlas {
 /// The same with its line feeds.
 [[nodiscard]] std::string printed_lines(std::string_view text);
 
-/// The structures in a picture of the renderer's selection, in the order of the tree, with blanks for
-/// underscores. `labelled`: [structure], may get a label; empty: all may. Cost: 40 000 picks.
-[[nodiscard]] std::vector<NamedStructure> named_structures(const Frame& frame, const Renderer& renderer,
+/// The structures in a picture of a selection, in the order of the tree, with blanks for underscores.
+/// `labelled`: [structure], may get a label; empty: all may. Cost: 40 000 calls of `at`.
+[[nodiscard]] std::vector<NamedStructure> named_structures(const Picture& picture, const StructureAt& at,
+                                                           const StructureGraph& graph,
+                                                           const Selection& selection,
                                                            const std::vector<bool>& labelled);
 
 }  // namespace splatlas

@@ -76,10 +76,12 @@ Result<Json> page_labels(const Json& request, const Frame& frame, const Camera& 
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<bool> labelled,
                             labelled_by(request.value("labels", Json::array()), renderer));
   SPLATLAS_ASSIGN_OR_RETURN(const Rgb background, parse_color(request.at("background").get<std::string>()));
-  const AnnotatedScene scene{.picture = frame.picture,
-                             .view = view,
-                             .background = background,
-                             .structures = named_structures(frame, renderer, labelled)};
+  const AnnotatedScene scene{
+      .picture = frame.picture,
+      .view = view,
+      .background = background,
+      .structures = named_structures(frame.picture, structure_at(frame), renderer.atlas().graph(),
+                                     renderer.selection(), labelled)};
   AnnotationOptions options;
   options.items.labels = true;
   options.dpi = request.at("dpi").get<double>();

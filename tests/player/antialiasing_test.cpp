@@ -39,31 +39,5 @@ TEST(Antialiasing, FollowsTheCoveredShareOfAPixel) {
   }
 }
 
-TEST(Antialiasing, CountsItsSamplesAmongTheFragments) {
-  TestVolume volume;
-  volume.grid.size = {17, 17, 17};
-  volume.structures = {{"ball", ball_mask(volume.grid.size, {8, 8, 8}, 36)}};
-  const AtlasContent content = make_content(volume);
-  const Grid grid = storage_grid(content);
-  const SurfaceClusters clusters(content.surfaces[0], grid);
-  const SurfaceDraw surface{&content.surfaces[0], &clusters, 0, {1, 1, 1}, 0.5f};
-  const ParallelView view = *parallel_view({}, {64, 64}, content.display);
-  const Lighting lighting(view);
-  const RasterScene scene = raster_scene({&surface, 1}, view, factorise(view, grid), grid, lighting);
-  ThreadPool pool(2);
-  FragmentList list;
-  ASSERT_TRUE(Rasterizer().draw(scene, {.edge_samples = 1}, list, pool));
-  const std::size_t without = list.fragments.size();
-  ASSERT_TRUE(Rasterizer().draw(scene, {.edge_samples = 4}, list, pool));
-  EXPECT_GT(list.fragments.size(), without);
-  const auto refused = Rasterizer().draw(scene, {.max_fragments = without, .edge_samples = 4}, list, pool);
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
-  Picture picture;
-  const auto unpainted = Rasterizer().paint(scene, {.max_fragments = 10}, picture, nullptr, pool);
-  ASSERT_FALSE(unpainted);
-  EXPECT_EQ(unpainted.error().code, ErrorCode::kLimit);
-}
-
 }  // namespace
 }  // namespace splatlas

@@ -40,18 +40,6 @@ const NamedCase kNamedCases[] = {
     {"inferior", NamedView::kInferior, kInferior, kLeft, kAnterior},
 };
 
-TEST(Camera, NamedViewsShowTheSideTheyAreNamedAfter) {
-  for (const NamedCase& expected : kNamedCases) {
-    const ParallelView view = view_of(Camera::of(expected.named));
-    // Exactly equal: such views have no shear.
-    for (std::size_t a = 0; a < 3; ++a) {
-      EXPECT_EQ(view.forward_lps[a], -expected.from[a]) << expected.name;
-      EXPECT_EQ(view.right_lps[a], expected.right[a]) << expected.name;
-      EXPECT_EQ(view.up_lps[a], expected.up[a]) << expected.name;
-    }
-  }
-}
-
 TEST(Camera, AzimuthTurnsAroundTheSuperiorAxisTowardsTheSubjectsLeft) {
   Camera camera{.azimuth_deg = 90};
   EXPECT_EQ(view_of(camera).forward_lps, kRight);  // from the left, looking right

@@ -150,36 +150,5 @@ TEST(ClosedForm, PlatesAreFlatAlongRays) {
   expect_flat_plate(unlit({15, 15}, Classification::kAfter), 0.5, 4e-6);
 }
 
-/// At faces perpendicular to the slices, slices sample the rise from 0 to 1 over one voxel, at steps of
-/// t = tan(angle to the face) < 1 voxel. The sum of samples of a piecewise linear function errs by at most
-/// t^2 / 12 voxels at each of its four kinks, two with either sign.
-TEST(ClosedForm, RippleOfPlatesSeenAcrossTheirSlicesIsBounded) {
-  const AtlasContent content = box_content({96, 7, 96});
-  const float opacity = 0.12f;
-  Renderer renderer = renderer_of(content, with_opacity(content, opacity));
-  double ripple = 0;
-  for (const double azimuth : {46.0, 50.0, 57.3, 63.0}) {
-    const Camera camera{.azimuth_deg = azimuth,
-                        .zoom = zoom_for(content.display, 31, 0.4),
-                        .center_lps_mm = Vec3{47.5, 3.0, 47.41}};
-    const Picture picture = render_or_throw(
-        renderer, camera, {.size = {31, 31}, .quality = Quality::kHigh, .hybrid_shading = false});
-    const double angle = azimuth * std::numbers::pi / 180;
-    const double t = 1 / std::tan(angle);
-    const double length = 7 / std::cos(angle);
-    const double length_bound = 2 * (t * t / 12 + t * t / 24) / std::cos(angle);
-    double min = 1;
-    double max = 0;
-    for (int x = 0; x < 31; ++x) {
-      min = std::min(min, static_cast<double>(picture.at(x, 2)[3]));
-      max = std::max(max, static_cast<double>(picture.at(x, 2)[3]));
-    }
-    EXPECT_GE(min, opacity_through(length - length_bound, opacity)) << azimuth;
-    EXPECT_LE(max, opacity_through(length + length_bound, opacity)) << azimuth;
-    ripple = std::max(ripple, max - min);
-  }
-  RecordProperty("ripple_in_255ths", std::to_string(255 * ripple));
-}
-
 }  // namespace
 }  // namespace splatlas

@@ -259,23 +259,5 @@ TEST(Cuts, HaveDepthsOfFacesAndOfClippedVolumes) {
   }
 }
 
-/// A new cut of the same selection reuses nothing of the former picture.
-TEST(Cuts, FollowChangesOfPlanesAndSelections) {
-  const AtlasContent content = halves();
-  const Selection first = selection_of("l:surface + r", content.graph);
-  const Selection second = selection_of("r:both", content.graph);
-  Renderer renderer = renderer_of(content, first);
-  RenderOptions options{.size = {48, 40}};
-  const Camera camera{.azimuth_deg = 40, .elevation_deg = 25};
-  for (const Selection* selection : {&first, &second, &first}) {
-    ASSERT_TRUE(renderer.select(*selection));
-    for (const double mm : {0.0, 3.0, 0.0}) {
-      options.cuts = cuts_of({{{0, 0, 1}, mm}, {{1, 1, 0}, 2}});
-      const Picture picture = render_or_throw(renderer, camera, options);
-      EXPECT_EQ(picture.rgba, render_or_throw(content, *selection, camera, options).rgba);
-    }
-  }
-}
-
 }  // namespace
 }  // namespace splatlas

@@ -172,26 +172,5 @@ TEST(DepthCueOfFrames, DepthsOfSurfacesStop) {
                Cancelled);
 }
 
-TEST(DepthCueOfFrames, ViewDepthGoesBothWays) {
-  const StandardScene scene = hybrid_scene();
-  Camera camera{.azimuth_deg = 33, .elevation_deg = 21};
-  const Grid grid = storage_grid(scene.content);
-  for (const CameraProjection projection : {CameraProjection::kParallel, CameraProjection::kPerspective}) {
-    camera.projection = projection;
-    const View view = *view_of(camera, {64, 48}, scene.content.display);
-    const ViewDepth depth(view, grid);
-    for (const double mm : {-9.0, 0.0, 12.5}) {
-      const Vec3 index = depth.index_at(13.25, 40.5, mm);
-      for (std::size_t a = 0; a < 3; ++a) EXPECT_NEAR(depth.mm(13.25, 40.5, a, index[a]), mm, 1e-9);
-      const Vec3 lps = index_to_lps_mm(grid).apply(index);
-      double along = 0;
-      for (std::size_t a = 0; a < 3; ++a) {
-        along += (lps[a] - view.plane.center_lps_mm[a]) * view.plane.forward_lps[a];
-      }
-      EXPECT_NEAR(along, mm, 1e-9);
-    }
-  }
-}
-
 }  // namespace
 }  // namespace splatlas

@@ -78,25 +78,6 @@ TEST(Stress, ZoomsFromHundredthsToThousandsOfPixelsAVoxel) {
   }
 }
 
-/// Steps of 0.01 degrees across 45 degrees: each changes as much as the one before, except for the axis
-/// switch.
-TEST(Stress, SlowTurnsAreSteady) {
-  const StandardScene scene = blobs_scene();
-  Renderer renderer = renderer_of(scene.content, scene.selection);
-  const auto turned = [&](int step) {
-    const Camera camera{.azimuth_deg = 45.005 + 0.01 * step, .elevation_deg = 12};
-    return render_or_throw(renderer, camera, {.size = {48, 48}});
-  };
-  Picture before = turned(-11);
-  for (int step = -10; step <= 10; ++step) {
-    Picture now = turned(step);
-    const double change = reference::whole_picture_rms(before, now);
-    EXPECT_LE(change, step == 0 ? 0.2 : 0.05) << step;
-    EXPECT_GT(change, 0.0) << step;
-    before = std::move(now);
-  }
-}
-
 /// Invalid cameras and picture sizes are refused ahead of reading and allocation.
 TEST(Stress, BadCamerasAndSizesAreRefusedAndNothingIsRead) {
   const StandardScene scene = hybrid_scene();

@@ -136,12 +136,5 @@ TEST(SurfaceLevels, KeepExactWhatMustBe) {
   EXPECT_EQ(coarse.picture.rgba, exact.picture.rgba);
 }
 
-TEST(SurfaceLevels, DoNotDependOnThreads) {
-  const AtlasContent content = two_halves();
-  const Selection selection = selection_of("left:surface + right:surface", content.graph);
-  EXPECT_GT(render_with_threads(content, selection, camera_of(content, 0.35), draft(kAmple)).at(48, 48)[3],
-            0);
-}
-
 }  // namespace
 }  // namespace splatlas

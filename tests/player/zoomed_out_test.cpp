@@ -91,47 +91,6 @@ TEST(ZoomedOut, VolumesAroundSurfacesAreMeansByRays) {
   EXPECT_LE(255 * reference::difference(picture, truth).rms, 0.2);
 }
 
-/// A volume that fills an opaque ball up to a voxel: rays beside the centre of a pixel would end behind the
-/// ball.
-TEST(ZoomedOut, OpaqueSurfacesHideWhatLiesCloseBehind) {
-  TestVolume volume;
-  volume.grid.size = {48, 48, 48};
-  volume.structures = {{"core", ball_mask(volume.grid.size, {24, 24, 24}, 19 * 19), {255, 0, 0}},
-                       {"ball", ball_mask(volume.grid.size, {24, 24, 24}, 20 * 20), {0, 0, 255}}};
-  const AtlasContent content = make_content(volume);
-  Renderer renderer =
-      renderer_of(content, selection_of("core:volume(opacity=0.5) + ball:surface", content.graph));
-  const Camera camera{.azimuth_deg = 20, .elevation_deg = 10, .zoom = zoom_for(content.display, 16, 4)};
-  const RenderOptions options{.size = {16, 16}, .quality = Quality::kHigh, .antialiasing = false};
-  const Picture picture = render_or_throw(renderer, camera, options);
-  const Picture one_ray = render_or_throw(renderer, camera, options, {.one_ray = true});
-  int hidden = 0;
-  for (std::size_t n = 0; n < picture.rgba.size(); ++n) {
-    if (one_ray.rgba[n | 3] < 0.9999f) continue;  // beside the ball
-    ASSERT_NEAR(picture.rgba[n], one_ray.rgba[n], 1e-6) << n;
-    ++hidden;
-  }
-  EXPECT_GT(hidden, 4 * 50);
-}
-
-/// The structure of a pixel is that of its mean: a ray through its centre sees the thin one.
-TEST(ZoomedOut, IdsByRaysAreThoseOfTheMeans) {
-  TestVolume volume;
-  volume.grid.size = {32, 32, 32};
-  const auto is_thin = [](std::int64_t i, auto, auto) { return i % 5 == 3; };
-  volume.structures = {
-      {"thin", make_mask(volume.grid.size, is_thin)},
-      {"thick", make_mask(volume.grid.size, [&](auto i, auto j, auto k) { return !is_thin(i, j, k); })}};
-  const AtlasContent content = make_content(volume);
-  const Selection selection = selection_of("*:volume(opacity=0.1)", content.graph);
-  Renderer renderer = renderer_of(content, selection);
-  const Camera camera{.zoom = zoom_for(content.display, 6, 5)};
-  const RenderOptions options{.size = {6, 6}, .classification = Classification::kAfter, .ids = true};
-  const Frame frame = *renderer.render(camera, options);
-  ASSERT_TRUE(frame.stats.rays);
-  for (int x = 1; x < 5; ++x) EXPECT_EQ(frame.ids.at(x, 3), content.graph.find("thick")->front()) << x;
-}
-
 TEST(ZoomedOut, NormalPicturesOfVolumesAreTheMeansOfTheirPixels) {
   const AtlasContent content = phantom_content();
   for (const auto& [text, at_2_mm, at_4_mm] : {std::tuple("*:volume(opacity=0.3)", 0.18, 0.06),

@@ -91,16 +91,6 @@ TEST(Grid, ReferenceLengthIsTheCubeRootOfAShearedVoxel) {
               std::cbrt(12), 1e-15);
 }
 
-RC_GTEST_PROP(Grid, ReferenceLengthOfOrthonormalAxesIsThatOfTheSpacings, ()) {
-  auto random = *random_source();
-  Grid grid = random_grid(random);
-  const double expected = std::cbrt(grid.spacing_mm[0] * grid.spacing_mm[1] * grid.spacing_mm[2]);
-  RC_ASSERT(std::equal_to<>()(reference_length_mm(grid), expected));
-  // Also with the rounding of single precision, as in files
-  for (double& cosine : grid.direction_lps) cosine = static_cast<float>(cosine);
-  RC_ASSERT(std::equal_to<>()(reference_length_mm(grid), expected));
-}
-
 TEST(Grid, IndexToMmIsTheFormulaOfItk) {
   const Grid grid{{10, 10, 10}, {1, 2, 3}, {10, 20, 30}, {0, -1, 0, 1, 0, 0, 0, 0, 1}};
   EXPECT_EQ(index_to_lps_mm(grid).apply({0, 0, 0}), (Vec3{10, 20, 30}));

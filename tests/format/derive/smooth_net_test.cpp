@@ -146,13 +146,6 @@ TEST(Smooth, BallsAreRound) {
   }
 }
 
-TEST(Smooth, ABallOfAnisotropicVoxelsIsRound) {
-  const Errors errors = ball_errors(20, {1, 1, 3}, {.4, .35, .15});
-  EXPECT_LT(errors.normals_rms, 3.95);
-  EXPECT_LT(errors.normals_max, 12.5);
-  EXPECT_LT(errors.distance_rms, .165);
-}
-
 /// Between two parallel planes across a unit direction, `thickness` apart; vertices near the border of the
 /// grid do not count.
 Errors plate_errors(Vec3 across, double thickness, const Vec3& middle = {39.6, 39.3, 39.45}) {

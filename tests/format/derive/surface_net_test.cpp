@@ -79,24 +79,6 @@ RC_GTEST_PROP(SurfaceNet, IsClosedAndHasOneVertexOnEveryCrossedEdge, ()) {
   RC_ASSERT(positions == expected);
 }
 
-/// Slot of the other end of a link: on the same axis in parallel faces, else from the neighbour's edge to
-/// this one's voxels.
-RC_GTEST_PROP(SurfaceNet, LinksAreMutual, ()) {
-  auto random = *random_source();
-  const SurfaceNet net = surface_net(crop_of(patterned_mask(random)));
-  for (std::uint32_t v = 0; v < net.vertices.size(); ++v) {
-    for (std::size_t slot = 0; slot < 4; ++slot) {
-      const std::uint32_t other = net.neighbours[v][slot];
-      const unsigned kind = net.kinds[v] >> 2 * slot & 3u;
-      RC_ASSERT((other == v) == (kind == static_cast<unsigned>(LinkKind::kCentre)));
-      if (other == v) continue;
-      RC_ASSERT((net.vertices[v].axis() == net.vertices[other].axis()) ==
-                (kind == static_cast<unsigned>(LinkKind::kParallel)));
-      RC_ASSERT(std::ranges::count(net.neighbours[other], v) > 0);
-    }
-  }
-}
-
 /// Triangles in the order of the slow definition: cells by leading voxel, then by cell.
 RC_GTEST_PROP(SurfaceNet, TrianglesAreSortedByTheLeadingVoxelOfTheirCell, ()) {
   auto random = *random_source();

@@ -189,12 +189,6 @@ TEST(ThickSlices, DoNotDependOnTheOrigin) {
   EXPECT_EQ(near, far);
 }
 
-TEST(ThickSlices, DoNotDependOnTheNumberOfThreads) {
-  const std::vector<Mask> masks{mask_of(
-      kSize, [](auto i, auto j, auto k) { return (i * 7 + j * 5 + k * 11) % 13 < 6 && i > 5 && i < 40; })};
-  EXPECT_EQ(smooth(masks, 1).front().after, smooth(masks, 3).front().after);
-}
-
 TEST(ThickSlices, AreMoreThanTwiceAsThick) {
   EXPECT_TRUE(has_thick_slices(kGrid));
   EXPECT_TRUE(has_thick_slices({.size = kSize, .spacing_mm = {3.5, 1.5, 3}}));

@@ -296,21 +296,6 @@ TEST(FitSelection, SilhouettesEndAtTheMargins) {
   }
 }
 
-TEST(FitSelection, DoesNotDependOnThreads) {
-  for (std::uint32_t number = 0; number < repetitions(40); ++number) {
-    const RandomScene scene = visible_scene(number);
-    std::vector<Camera> cameras;
-    for (const unsigned threads : {1u, 2u, 8u}) {
-      Renderer renderer = renderer_of(scene.content, scene.selection, threads);
-      cameras.push_back(value_or_throw(renderer.fit(scene.camera, scene.options)));
-    }
-    for (const Camera& camera : cameras) {
-      EXPECT_EQ(camera.zoom, cameras[0].zoom);
-      EXPECT_EQ(camera.center_lps_mm, cameras[0].center_lps_mm);
-    }
-  }
-}
-
 /// The data of the picture, and no other chunk.
 TEST(FitSelection, ReadsTheDataOfThePicture) {
   for (std::uint32_t number = 0; number < repetitions(100); ++number) {
@@ -358,21 +343,6 @@ TEST(FitSelection, FitsToAPartOfTheSelection) {
     EXPECT_EQ(value_or_throw(renderer.fit(direction, {}, std::vector<StructureIndex>{})).zoom, 1);
     EXPECT_EQ(value_or_throw(alone.fit(direction, {}, std::vector<StructureIndex>{99})).zoom, 1);
   }
-}
-
-TEST(FitSelection, RefusesWhatRenderingRefuses) {
-  const AtlasContent content = phantom_content();
-  Renderer renderer = renderer_of(content, selection_of("*", content.graph));
-  EXPECT_EQ(renderer.fit({.azimuth_deg = HUGE_VAL}).error().code, ErrorCode::kUsage);
-  EXPECT_EQ(renderer.fit({}, {.size = {0, 10}}).error().code, ErrorCode::kUsage);
-  EXPECT_EQ(
-      renderer.fit({.projection = CameraProjection::kPerspective, .field_of_view_deg = 180}).error().code,
-      ErrorCode::kUsage);
-  Renderer small(open_in_memory(content), {.threads = 1, .max_memory_bytes = 1 << 20});
-  ASSERT_TRUE(small.select(selection_of("Sphere_2:surface", content.graph)));
-  const auto too_large = small.fit({}, {.size = {1000, 1000}});
-  ASSERT_FALSE(too_large);
-  EXPECT_EQ(too_large.error().code, ErrorCode::kLimit);
 }
 
 }  // namespace

@@ -308,24 +308,6 @@ std::vector<SurfaceMesh> noise_meshes(std::mt19937& random, int count, unsigned 
   return meshes;
 }
 
-/// Pictures with too many fragments are refused, and no others, in any order of bands.
-TEST(Rasterize, RefusesTheSamePicturesWithAnyNumberOfThreads) {
-  std::mt19937 random(8);
-  Drawing drawing{view_from(33, 21, {80, 70}, 0.3, {8, 8, 8})};
-  const std::vector<SurfaceMesh> meshes = noise_meshes(random, 2, 5, drawing.grid);
-  const std::array surfaces{translucent(meshes[0], 0), translucent(meshes[1], 1, 1.0f)};
-  const std::size_t fragments = drawing.draw(surfaces)->fragments.size();
-  for (const unsigned threads : {1u, 2u, 8u}) {
-    drawing.threads = threads;
-    for (int repeat = 0; repeat < 5; ++repeat) {
-      drawing.options.max_fragments = fragments;
-      EXPECT_TRUE(drawing.draw(surfaces).has_value());
-      drawing.options.max_fragments = fragments - 1;
-      EXPECT_FALSE(drawing.draw(surfaces).has_value());
-    }
-  }
-}
-
 /// Painted pixels are the means of their samples, each composited front to back.
 TEST(Rasterize, PaintsWhatItsFragmentsShow) {
   std::mt19937 random(9);
