@@ -306,7 +306,7 @@ Result<void> rasterize_again(const ShownFrame& frame, std::uint64_t number,
 }
 
 void fit_ids(const Picture& picture, IdImage& ids) {
-  const auto [width, height] = picture.size;
+  const int width = picture.size.width, height = picture.size.height;
   const auto opacity_of = [&](std::size_t pixel) { return picture.rgba[4 * pixel + 3]; };
   std::vector<std::size_t> open;  // visible pixels without a number
   for (std::size_t n = 0; n < ids.numbers.size(); ++n) {
