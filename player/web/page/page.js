@@ -278,6 +278,7 @@ class Page {
     if (model === null) return;
     const good = this.#lastGood;
     if (model.state === good.state && this.#stage.camera === good.camera) return;
+    this.#going = this.#motion = null;
     [model.state, this.#stage.camera] = [good.state, good.camera];
     model.forgetSteps(good.steps);
     this.#changed();
@@ -424,6 +425,7 @@ class Page {
 
   /** Goes one step back or forth: 'undo' or 'redo'. */
   #undo(direction) {
+    this.#going = this.#motion = null;
     const camera = this.#model[direction](this.#stage.camera);
     if (camera) this.#stage.camera = camera;
     this.#name(null);
