@@ -46,11 +46,12 @@ std::pair<std::uint32_t, std::uint32_t> lanes_of(const SliceSpans& slice, std::i
   return lanes;
 }
 
-/// light_spans() for the voxels that a cut may show.
+/// light_spans() for the voxels that a cut may show, of the slices that are not lit.
 void light_kept_spans(SpanModel& model, std::span<const float> factors, std::span<const VoxelPlane> planes,
                       ThreadPool& pool) {
   pool.for_each(model.slices.size(), [&](std::size_t n) {
     SliceSpans& slice = model.slices[n];
+    if (slice.is_lit) return;
     auto run = slice.lit.runs.begin();
     for (std::int64_t row = slice.first_row; row < slice.last_row; ++row) {
       const auto [first, last] = lanes_of(slice, row, kept_voxels(model, planes, slice.number, row));
@@ -59,6 +60,7 @@ void light_kept_spans(SpanModel& model, std::span<const float> factors, std::spa
           light_run(*run, std::max(first, run->number), std::min(last, run->end()), factors, slice);
       }
     }
+    slice.is_lit = true;
   });
 }
 
@@ -104,6 +106,10 @@ void AxisSpans::update_lighting(const ParallelView& view, const Lighting& lighti
   if (model().lit_voxels > 0) {
     const std::vector<float> factors = shade ? lighting.table() : std::vector<float>(65536, 1.0f);
     partly_shaded_ = true;  // in case the task is cancelled
+    if (!shade || !same_view) {
+      shaded_for_.reset();
+      forget_light(spans_.model());
+    }
     if (shade && !cuts.empty()) {
       light_kept_spans(spans_.model(), factors, voxel_planes(cuts, grid), pool);
     } else {

@@ -30,6 +30,7 @@ void BlockSpans::prepare(Axis axis, bool shade, const ParallelView& view, const 
   }
   if (!shade || (lit_for_ && have_same_lighting(*lit_for_, view))) return;
   lit_for_.reset();  // in case the task is cancelled
+  forget_light(spans_->model());
   light_spans(spans_->model(), lighting.table(), pool);
   lit_for_ = view;
 }

@@ -230,6 +230,7 @@ void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
       std::size_t lit = 0, lit_runs = 0;  // of the slice before, which is usually similar
       for (std::size_t n = first; n < std::min(first + kSlicesAtOnce, to_build.size()); ++n) {
         SliceSpans& slice = model_.slices[to_build[n]];
+        slice.is_lit = false;
         slice.optics = arena_.lend(max_floats(request, slice.number));
         slice.lit.voxels.reserve(lit + lit / 8);
         slice.lit.runs.reserve(lit_runs + lit_runs / 8);

@@ -227,6 +227,7 @@ CoarseSpans::CoarseSpans(const SpanRequest& request, const SpanModel* fine, int 
 void CoarseSpans::light(const ParallelView& view, const Lighting& lighting, ThreadPool& pool) {
   if (lit_for_ && have_same_lighting(*lit_for_, view)) return;
   lit_for_.reset();  // in case the task is cancelled
+  forget_light(model_);
   if (model_.lit_voxels > 0) light_spans(model_, lighting.table(), pool);
   lit_for_ = view;
 }

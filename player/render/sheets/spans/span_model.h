@@ -24,6 +24,7 @@ struct SliceSpans {
   OpticalBuffer optics;                      ///< of all blocks
   LitVoxels lit;                             ///< by lane
   std::uint64_t voxels = 0;                  ///< selected voxels with an extinction above 0
+  bool is_lit = false;                       ///< the emissions are those of the latest light
 
   /// The spans of a row of the grid.
   [[nodiscard]] std::span<const Span> row(std::int64_t n) const {
@@ -89,11 +90,18 @@ inline void light_run(const LitRun& run, std::uint32_t first, std::uint32_t last
   }
 }
 
-/// Lights all voxels, once per change of view. `factors`: 65536, by packed normal.
+/// Before a change of light.
+inline void forget_light(SpanModel& model) {
+  for (SliceSpans& slice : model.slices) slice.is_lit = false;
+}
+
+/// Lights the slices that are not lit. `factors`: 65536, by packed normal.
 inline void light_spans(SpanModel& model, std::span<const float> factors, ThreadPool& pool) {
   pool.for_each(model.slices.size(), [&](std::size_t n) {
     SliceSpans& slice = model.slices[n];
+    if (slice.is_lit) return;
     for (const LitRun& run : slice.lit.runs) light_run(run, run.number, run.end(), factors, slice);
+    slice.is_lit = true;
   });
 }
 

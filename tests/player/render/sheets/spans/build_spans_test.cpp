@@ -20,6 +20,7 @@ TEST(BuildSpans, HoldsTheLightOfEverySelectedVoxelWithAndWithoutShading) {
     for (const Axis axis : kAxes) {
       SpanModel model = prepared.spans(axis);
       for (const bool shade : {false, true, false}) {
+        forget_light(model);
         light_spans(model, shade ? Lighting(view).table() : std::vector<float>(65536, 1.0f), prepared.pool);
         const reference::OpticalField field =
             reference::optical_field(scene.content, scene.selection, view, shade);
