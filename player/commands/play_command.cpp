@@ -27,8 +27,8 @@ constexpr std::uint16_t kLeastPort = 1024;
 /// Chromium shows the page in a window of its own.
 constexpr const char* kOpenBrowser = R"(
 case $(xdg-settings get default-web-browser 2>/dev/null) in
-  *chromium*) exec chromium --app="$1" ;;
-  *google-chrome*) exec google-chrome --app="$1" ;;
+  *chromium*) command -v chromium >/dev/null && exec chromium --app="$1" ;;
+  *google-chrome*) command -v google-chrome >/dev/null && exec google-chrome --app="$1" ;;
 esac
 exec xdg-open "$1")";
 
@@ -100,7 +100,7 @@ Result<void> play(const PlayRequest& request) {
   SPLATLAS_ASSIGN_OR_RETURN(const auto server,
                             PageServer::start({atlas, std::move(html), request.renderer, request.port}));
   SPLATLAS_RETURN_IF_ERROR(print_text(PrintableText("{}\n", server->address())));
-  if (!request.no_browser) open_browser(server->address());
+  if (!request.no_browser) open_browser(server->address_with_ticket());
   wait_for_the_end(*server, signals);
   if (server->missing().empty()) return {};
   return fail(ErrorCode::kInvalidAtlas, "{}: damaged; was shown without what is missing: {}",

@@ -31,19 +31,20 @@ class PageEngine {
   /// Answers a request, a JSON object {"call": NAME, ...}, and `bytes` for "open" and "give". Errors keep the
   /// selection. Never throws. Requests with their answers; see page_state_of() for a state:
   ///
-  ///   open                        opens the atlas in `bytes`. ""
-  ///   openRemote {size}           opens an atlas of that many bytes on a server; fails until "give" has
-  ///                               brought what "wanted" names. ""
-  ///   wanted                      the ranges that calls have missed since: [[offset, bytes], ...]. After a
-  ///                               picture that wanted some, give them and draw again
-  ///   give {offset}               adds `bytes` as a piece of the file. ""
-  ///   info                        the document of `splatlas-player info --json`
-  ///   select {select}             selects by a text (format/content/selection.h). An array of warnings
-  ///   fit {state}                 the camera that shows the selection, or its part in a structure
-  ///   draw {state}                draws. {camera, warnings, missing, ms, drawn for the first one of a
-  ///   selection} pick {at}                   the structure at [x, y] of the latest picture, and its point;
-  ///   or null labels {see page_labels()}  names with leader lines on the latest picture stats counts and
-  ///   times of the latest picture
+  ///   - open: opens the atlas in `bytes`. ""
+  ///   - openRemote {size}: opens an atlas of that many bytes on a server; fails until "give" has brought
+  ///   what
+  ///     "wanted" names. ""
+  ///   - wanted: the ranges that calls have missed since: [[offset, bytes], ...]. After a picture that wanted
+  ///     some, give them and draw again.
+  ///   - give {offset}: adds `bytes` as a piece of the file. ""
+  ///   - info: the document of `splatlas-player info --json`.
+  ///   - select {select}: selects by a text (format/content/selection.h). An array of warnings.
+  ///   - fit {state}: the camera that shows the selection, or its part in a structure.
+  ///   - draw {state}: draws. {camera, missing, ms, warnings}, and with the first picture of a selection
+  ///     drawn: [["surface", 0.4, "#c0392b"], ["off"], ...] by structure; the default opacity is null.
+  ///   - pick {at}: the structure at [x, y] of the latest picture, and its point; or null.
+  ///   - labels {see page_labels()}: names with leader lines on the latest picture.
   [[nodiscard]] PageAnswer call(std::string_view request, std::vector<std::byte> bytes = {},
                                 const RenderControl& control = {});
 

@@ -1,5 +1,6 @@
 #include "player/web/page_labels.h"
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -13,6 +14,8 @@ namespace splatlas {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr double kMinDpi = 36, kMaxDpi = 2400;  // from 4 to 280 pixels a letter
 
 /// Sums the widths of letters, by their bytes in UTF-8.
 class LetterWidths {
@@ -84,7 +87,7 @@ Result<Json> page_labels(const Json& request, const Frame& frame, const Camera& 
                                      renderer.selection(), labelled)};
   AnnotationOptions options;
   options.items.labels = true;
-  options.dpi = request.at("dpi").get<double>();
+  options.dpi = std::clamp(request.at("dpi").get<double>(), kMinDpi, kMaxDpi);
   SPLATLAS_ASSIGN_OR_RETURN(const AnnotationLayer layer,
                             annotate_picture(scene, options, LetterWidths(request.at("glyphs"))));
   return json_of(layer, 0.99 * kLabelPoints * *options.dpi / 72);

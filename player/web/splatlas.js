@@ -162,7 +162,7 @@ class Splatlas {
 
   /** What the atlas holds: the document of `splatlas-player info --json`. `structures` are in the order of their
    * indices, with id, name, parents (ids), color, voxels, triangles and terms (synonyms, languages, codes); `scenes`
-   * have name, question, caption, select, azimuth, elevation, zoom, cuts and center; `views` name, azimuth and
+   * have name, question, caption, select, azimuth, elevation, zoom, projection, cuts, labels and center; `views` name, azimuth and
    * elevation; `display` the window of grey values and the bounding sphere; `provenance` title, citation and licence.
    * @returns {object} */
   info() {

@@ -78,7 +78,7 @@ class RemoteFile {
 }
 
 /** Draws the newest state by workers. Calls the handlers {ready, picture, drawn, picked, hovered, labelled, told,
- * error, stopped}: `told` is an error beside the picture, `error` one in its place. */
+ * error, stopped, ended}: `ended` when the program has, `told` is an error beside the picture, `error` one in its place. */
 class Engine {
   #handlers;
   #module = null;
@@ -119,7 +119,8 @@ class Engine {
     });
     alive.onerror = () => {
       alive.close();
-      this.#handlers.stopped('it has ended');
+      for (const worker of this.#workers) worker.terminate();
+      this.#handlers.ended();
     };
     this.#server = `${location.origin}/call?page=${page}&worker=`;
     history.replaceState(null, '', `/${location.hash}`);  // without the token
@@ -160,9 +161,9 @@ class Engine {
     if (isNew && this.#workers.length > 1) this.#refineSoon();  // decoding takes longer than drawing
   }
 
-  /** Asks for the structure at (u, v), from 0 to 1 in the picture. */
-  pick(u, v) {
-    this.#workers[0].postMessage({type: 'pick', serial: this.#serial, state: this.#state, u, v});
+  /** Asks for the structure at {u, v}, from 0 to 1 in the picture. The answer has the whole pick. */
+  pick(pick) {
+    this.#workers[0].postMessage({type: 'pick', serial: this.#serial, state: this.#state, pick});
   }
 
   /** Asks for the name at (u, v) of the latest picture. */
@@ -182,7 +183,7 @@ class Engine {
     this.#fit?.resolve(null);
     const serial = ++this.#serial;
     return new Promise((resolve, reject) => {
-      this.#fit = {resolve, reject};
+      this.#fit = {serial, resolve, reject};
       this.#workers[0].postMessage({type: 'fit', serial, state});
     });
   }
@@ -210,12 +211,15 @@ class Engine {
       return this.#handlers.ready(message.info);
     }
     if (n === 0 && message.drawn) this.#handlers.drawn(message.drawn);
-    if (message.type === 'picked') return this.#handlers.picked(message.picked);
+    if (message.type === 'picked') return this.#handlers.picked(message.picked, message.pick);
     if (message.type === 'hovered') return this.#handlers.hovered(message.hovered);
     if (message.type === 'labelled') return message.serial === this.#serial && this.#handlers.labelled(message.layer);
-    if (message.type === 'fitted') return this.#fit.resolve(message.camera);
-    if (message.type === 'error' && message.of === 'fit') return this.#fit.reject(new Error(message.message));
-    if (message.type === 'error' && message.of !== 'draw') return this.#handlers.told(message.message);
+    if (message.type === 'fitted' || message.of === 'fit') {
+      if (message.serial !== this.#fit?.serial) return undefined;
+      return message.type === 'fitted' ? this.#fit.resolve(message.camera) : this.#fit.reject(new Error(message.message));
+    }
+    if (message.type === 'cancelled') return message.serial === this.#serial && this.#refineAgain();
+    if (message.type === 'error' && message.of !== 'draw') return this.#handlers.told(message.message, message.of);
     if (message.serial !== this.#serial) return this.#takeOld(message);
     if (message.type === 'error') return this.#handlers.error(message.message);
     this.#restarts[n] = 0;
@@ -244,6 +248,12 @@ class Engine {
   #takeOld(message) {
     if (message.type === 'picture' && message.quality === 'draft')
       this.#handlers.picture({...message, isOld: true});
+  }
+
+  /** A draft of the same state has ended its refinement. */
+  #refineAgain() {
+    this.#asked = 0;
+    this.#refineSoon();
   }
 
   #refineSoon() {

@@ -3,31 +3,36 @@
 
 const kSceneTexts = ['name', 'question', 'caption'];
 
-/** The editor of the present scene. Calls the handlers {record(): Promise<?object>, list(): the scenes are others,
- * show(n)}. */
+/** The editor of the present scene. Calls the handlers {record(): Promise<?object>, list() and labelled(): the scenes
+ * or their labels are others, show(n), tell(text)}. */
 class Lesson {
   #model;
   #handlers;
+  #isUnsaved = false;
 
   constructor(model, handlers) {
     this.#model = model;
     this.#handlers = handlers;
     for (const field of kSceneTexts) {
       byId(`scene-${field}`).addEventListener('input', event => {
+        this.#isUnsaved = true;
         this.#scene()[field] = event.target.value;
         handlers.list();
       });
     }
-    byId('scene-labels').addEventListener('change', event => {
+    byId('scene-labels').addEventListener('input', event => {
+      this.#isUnsaved = true;
       this.#scene().labels = event.target.value.split(',').map(label => label.trim()).filter(label => label !== '');
     });
+    byId('scene-labels').addEventListener('change', () => handlers.labelled());
+    window.addEventListener('beforeunload', event => { if (this.#isUnsaved) event.preventDefault(); });
     const act = (id, does) => byId(id).addEventListener('click', does);
     act('record', () => this.#record());
     act('renew', () => this.#renew());
     act('earlier', () => this.#move(-1));
     act('later', () => this.#move(1));
     act('remove', () => this.#remove());
-    act('save-lesson', () => download('lesson.toml', new Blob([Lesson.toml(model.info.scenes)], {type: 'text/plain'})));
+    act('save-lesson', () => this.#save());
   }
 
   #scene() {
@@ -40,15 +45,19 @@ class Lesson {
     if (!recorded) return;
     const {scenes} = this.#model.info;
     const at = (this.#model.state.scene ?? scenes.length - 1) + 1;
-    scenes.splice(at, 0, {name: `Scene ${scenes.length + 1}`, question: '', caption: '', labels: [], ...recorded});
+    let n = scenes.length + 1;
+    while (scenes.some(({name}) => name.toLowerCase() === `scene ${n}`)) ++n;
+    scenes.splice(at, 0, {name: `Scene ${n}`, question: '', caption: '', labels: [], ...recorded});
     this.#reorder(at);
     byId('scene-name').select();
   }
 
   /** Gives the present scene the picture on the screen. */
   async #renew() {
+    const scene = this.#scene();
     const recorded = await this.#handlers.record();
-    if (recorded) Object.assign(this.#scene(), recorded);
+    if (!recorded) return;
+    Object.assign(scene, recorded);
     this.#reorder(this.#model.state.scene);
   }
 
@@ -68,8 +77,18 @@ class Lesson {
     if (scenes.length > 0) this.#handlers.show(this.#model.state.scene);
   }
 
+  /** A name that stands twice or not at all would stop `splatlas-preprocess lesson`. */
+  #save() {
+    const names = this.#model.info.scenes.map(({name}) => name.trim().toLowerCase());
+    const bad = names.findIndex((name, n) => name === '' || names.indexOf(name) < n);
+    if (bad >= 0) return this.#handlers.tell(`Scene ${bad + 1} needs a name of its own.`);
+    this.#isUnsaved = false;
+    return download('lesson.toml', new Blob([Lesson.toml(this.#model.info.scenes)], {type: 'text/plain'}));
+  }
+
   /** Earlier steps know the scenes by other numbers. */
   #reorder(scene) {
+    this.#isUnsaved = true;
     this.#model.forgetAll();
     if (scene === null) this.#model.state = {...this.#model.state, scene, isAsking: false};
     else this.#model.state = {...this.#model.sceneState(scene), isAsking: false};
@@ -83,7 +102,8 @@ class Lesson {
     byId('scene-editor').disabled = !scene;
     for (const field of kSceneTexts) {
       const box = byId(`scene-${field}`);
-      if (box !== document.activeElement) box.value = scene?.[field] ?? '';
+      const text = scene?.[field] ?? '';
+      if (box.value !== text) box.value = text;
     }
     byId('scene-labels').value = scene?.labels.join(', ') ?? '';
   }

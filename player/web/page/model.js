@@ -25,7 +25,7 @@ class Model {
       for (const parent of structure.parents) this.#children[indices.get(parent)].push(index);
     });
     this.parents = this.structures.map(structure => structure.parents.map(id => indices.get(id)));
-    /** Mode, opacity and colour of every structure, as the module has drawn it; see Splatlas.drawn(). */
+    /** Mode, opacity and colour of every structure, as the module has drawn it; see Splatlas.draw(). */
     this.drawn = this.structures.map(() => ['off']);
     /** Cuts as the module takes them; whether the scene shows its question. */
     this.state = {base: '*', edits: [], cuts: [], scene: null, isAsking: false};

@@ -16,23 +16,20 @@ class Page {
     ready: info => this.#begin(info),
     picture: message => this.#takePicture(message),
     drawn: drawn => this.#takeDrawn(drawn),
-    picked: picked => this.#takePick(picked),
+    picked: (picked, {purpose, u, v}) => this.#takePick(picked, purpose, u, v),
     hovered: picked => this.#pointer.show(picked),
     labelled: layer => { if (layer) this.#names.show(layer, this.#pictures.width, this.#pictures.height); },
-    told: text => this.#tell(text),
+    told: (text, of) => this.#tell(of === 'label' && /too small/.test(text) ? 'There is no room for names of this size.' : text),
     error: text => this.#takeError(text),
     stopped: text => this.#stopFor(text),
+    ended: () => this.#stop('The player has ended. Start splatlas-player again.'),
   });
   #stage = new Stage({
     camera: () => {
       this.#going = this.#motion = null;
       this.#show();
     },
-    pick: (u, v, purpose) => {
-      this.#purpose = purpose;
-      this.#pressed = [u, v];
-      this.#engine.pick(u, v);
-    },
+    pick: (u, v, purpose) => this.#engine.pick({u, v, purpose}),
     hover: (x, y, size) => { if (!this.#motion) this.#pointer.move(x, y, size); },
     leave: () => this.#pointer.hide(),
     resized: () => { if (!matchMedia('print').matches) this.#show(); },
@@ -42,8 +39,6 @@ class Page {
   #lesson = null;
   #names = null;
   #keys = new Map();  // what keys do
-  #purpose = 'choose';  // of the latest pick
-  #pressed = [0, 0];    // its place
   #named = null;      // index of the structure whose name is on the picture
   #going = null;      // the latest goal of the camera, until its motion begins
   #motion = null;     // {from, to, begin, at}
@@ -88,8 +83,10 @@ class Page {
       record: () => this.#recorded(), show: n => this.#showScene(n),
       list: () => {
         this.#scenes.list();
+        this.#lastGood = {state: model.state, camera: this.#stage.camera, steps: 0};
         this.#mark();
       },
+      labelled: () => this.#labelPicture(), tell: text => this.#tell(text),
     });
     this.#startViews(info.views);
     this.#startSearch();
@@ -163,6 +160,11 @@ class Page {
     this.#step();
   }
 
+  /** The camera at the end of the motion. */
+  #goal() {
+    return this.#motion?.to ?? this.#stage.camera;
+  }
+
   /** The next picture of a motion. */
   #step() {
     const motion = this.#motion;
@@ -185,7 +187,7 @@ class Page {
 
   #showScene(n) {
     const scene = this.#model.info.scenes[n];
-    this.#model.change(this.#model.sceneState(n), this.#stage.camera);
+    this.#model.change(this.#model.sceneState(n), this.#goal());
     const {azimuth, elevation, zoom, center} = scene;
     const projection = scene.projection ?? this.#stage.camera.projection;
     this.#name(null);
@@ -257,7 +259,7 @@ class Page {
       element('small', {}, nameElement(path.slice(0, -1).join(' › ')))]));
   }
 
-  #takePick(picked) {
+  #takePick(picked, purpose, u, v) {
     this.#name(picked?.index ?? null);
     if (picked === null) return;
     byId('search').value = '';
@@ -265,9 +267,9 @@ class Page {
     this.#tree.reveal(picked.index);
     this.#inspector.choose(picked.index);
     this.#pointer.hide();
-    if (this.#purpose === 'focus') this.#focus(picked.index);
+    if (purpose === 'focus') this.#focus(picked.index);
     const [width, height] = this.#stage.size();
-    if (this.#purpose === 'menu') this.#menu.open(picked.index, this.#pressed[0] * width, this.#pressed[1] * height);
+    if (purpose === 'menu') this.#menu.open(picked.index, u * width, v * height);
   }
 
   /** Tells an error, and returns to what was drawn before. A text that was typed stays in its box. */
@@ -300,7 +302,8 @@ class Page {
     clearTimeout(this.#messageTimer);
     this.#endWait();
     document.body.dataset.stopped = 'true';
-    for (const part of ['canvas', 'views', 'scenes', 'panel', 'undo', 'redo', 'show-all', 'hide-all', 'large']) byId(part).inert = true;
+    for (const part of ['canvas', 'views', 'scenes', 'structures', 'cutting', 'display', 'record', 'scene-editor', 'undo', 'redo',
+      'show-all', 'hide-all', 'large']) byId(part).inert = true;
   }
 
   #stopFor(reason) {
@@ -335,9 +338,10 @@ class Page {
 
   /** Changes parts of the camera: a step of undo. */
   #turnTo(camera) {
-    this.#model.change({}, this.#stage.camera, null, true);
+    const goal = this.#goal();
+    this.#model.change({}, goal, null, true);
     this.#mark();
-    this.#goTo({...this.#stage.camera, ...camera});
+    this.#goTo({...goal, ...camera});
   }
 
   #startSearch() {
@@ -410,12 +414,17 @@ class Page {
 
   /** The picture on the screen as a scene, with round numbers, which the screen then shows. */
   async #recorded() {
-    const {azimuth, elevation, zoom, center, projection = 'parallel'} = this.#stage.camera;
+    await this.#idle();
+    const {state} = this.#model;
+    const {camera} = this.#stage;
+    if (this.#model.drawn.every(([mode]) => mode === 'off')) return this.#tell('Show something first.');
+    const {azimuth, elevation, zoom, center, projection = 'parallel'} = camera;
     const round = number => Number(number.toFixed(2));
     const placed = {azimuth: round(azimuth), elevation: round(elevation), projection,
       center: (center ?? this.#model.info.display.center_lps_mm).map(round)};
-    const fitted = await this.#engine.fitted({...this.#drawing(), camera: {...placed, fit: {structure: -1, zoom: 1}}});
-    if (!fitted) return null;
+    const fit = {...placed, fit: {structure: -1, zoom: 1}};
+    const fitted = await this.#engine.fitted({...this.#drawing(), camera: fit}).catch(error => this.#tell(error.message));
+    if (!fitted || this.#model.state !== state || this.#stage.camera !== camera) return this.#show();
     const relative = Number((zoom / fitted.zoom).toPrecision(4));
     this.#stage.camera = {...placed, zoom: fitted.zoom * relative};
     this.#show();
@@ -445,6 +454,7 @@ class Page {
   #startDisplay() {
     byId('theme').addEventListener('change', event => {
       document.documentElement.dataset.theme = event.target.value;
+      if (this.#model) this.#labelPicture();
     });
     byId('text-size').addEventListener('change', event => {
       document.documentElement.style.setProperty('--text', event.target.value);
@@ -494,7 +504,7 @@ class Page {
       ['S', 'save the picture with its caption', ['s', 'Ctrl+s'], () => this.#save()],
       ['B', 'black screen', ['b'], () => Talk.toggle('black')],
       ['L', 'a dot for the pointer', ['l'], () => Talk.toggle('dot')],
-      ['Escape', 'end', ['Escape'], () => Talk.end()],
+      ['Escape', 'end the black screen, the large picture or the dot', ['Escape'], () => Talk.end()],
       ['?', 'this list', ['?'], () => byId('tab-about').click()],
       ['Arrows, Enter, blank', 'walk, choose, hide or show (in the tree)', []],
     ];
@@ -518,7 +528,8 @@ class Page {
     act(event.key);
   }
 
-  #save() {
+  async #save() {
+    await this.#idle();
     const {scene} = this.#model.state;
     savePicture(scene === null ? 'picture' : this.#model.info.scenes[scene].name, byId('caption').textContent);
   }

@@ -115,7 +115,7 @@ class Stage {
       this.#pinch(event.pointerId, before, at);
     } else {
       const [dx, dy] = [at[0] - before[0], at[1] - before[1]];
-      const isPan = event.shiftKey || (event.buttons & 6) !== 0;
+      const isPan = event.shiftKey || (event.buttons & 4) !== 0;
       this.#set(isPan ? Camera.movedByDrag(this.camera, dx, dy, this.size(), this.display) :
         Camera.turnedByDrag(this.camera, dx, dy, this.size()));
     }

@@ -10,6 +10,7 @@ const kRestMs = 60;  // of the pointer, before its name is asked for
 class PointerName {
   #box = document.getElementById('hover');
   #timer = 0;
+  #isOver = false;  // the picture
   #ask;
 
   constructor(ask) {
@@ -19,6 +20,7 @@ class PointerName {
   /** The pointer is at (x, y) of a picture of this size. */
   move(x, y, [width, height]) {
     clearTimeout(this.#timer);
+    this.#isOver = true;
     this.#box.style.left = `${Math.min(x + 14, width - 150)}px`;
     this.#box.style.top = `${Math.min(y + 18, height - 40)}px`;
     this.#timer = setTimeout(() => this.#ask(x / width, y / height), kRestMs);
@@ -26,11 +28,12 @@ class PointerName {
 
   hide() {
     clearTimeout(this.#timer);
+    this.#isOver = false;
     this.#box.replaceChildren();
   }
 
   show(picked) {
-    this.#box.replaceChildren(...(picked ? [nameElement(picked.name)] : []));
+    this.#box.replaceChildren(...(picked && this.#isOver ? [nameElement(picked.name)] : []));
   }
 }
 
@@ -70,7 +73,7 @@ class Menu {
   }
 
   #key(event) {
-    event.stopPropagation();
+    if (!/^(F5|Page)/.test(event.key)) event.stopPropagation();
     if (event.key === 'Escape') this.close();
     const by = {ArrowDown: 1, ArrowUp: -1}[event.key];
     if (!by) return;
@@ -156,12 +159,15 @@ function savePicture(name, caption) {
   const context = made.getContext('2d');
   const font = `${16 * ratio}px ${getComputedStyle(document.body).fontFamily}`;
   context.font = font;
-  const lines = [''];
-  for (const word of caption.split(/\s+/)) {
-    const longer = `${lines.at(-1)} ${word}`.trim();
-    if (context.measureText(longer).width < picture.width - 32 * ratio) lines[lines.length - 1] = longer;
-    else lines.push(word);
-  }
+  const lines = caption.split('\n').flatMap(paragraph => {
+    const broken = [''];
+    for (const word of paragraph.split(/\s+/)) {
+      const longer = `${broken.at(-1)} ${word}`.trim();
+      if (context.measureText(longer).width < picture.width - 32 * ratio) broken[broken.length - 1] = longer;
+      else broken.push(word);
+    }
+    return broken;
+  });
   [made.width, made.height] = [picture.width, picture.height + (caption ? (24 * lines.length + 16) * ratio : 0)];
   context.fillStyle = stageColor();
   context.fillRect(0, 0, made.width, made.height);
@@ -191,13 +197,14 @@ const Talk = {
     if (dataset[what]) delete dataset[what];
     else dataset[what] = 'true';
     if (what !== 'large') return;
+    document.getElementById('canvas').focus({preventScroll: true});
     if (dataset.large) document.documentElement.requestFullscreen?.().catch(() => {});
     else if (document.fullscreenElement) document.exitFullscreen();
   },
 
-  /** Ends the black screen or the large picture. @returns {boolean} whether there was one */
+  /** Ends the black screen, the large picture or the dot. @returns {boolean} whether there was one */
   end() {
-    const what = ['black', 'large'].find(each => document.body.dataset[each]);
+    const what = ['black', 'large', 'dot'].find(each => document.body.dataset[each]);
     if (what) Talk.toggle(what);
     return Boolean(what);
   },

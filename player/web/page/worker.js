@@ -125,8 +125,8 @@ function attempt(task, request) {
 /** `of`: the type of the request; only one to draw leaves the page without a picture. A server ends a refinement when
  * its page asks for a newer picture. */
 function fail(error, serial, isFatal, of = '') {
-  if (error.code === 'cancelled') return;
-  self.postMessage({type: isFatal ? 'fatal' : 'error', of, serial, message: String(error.message ?? error)});
+  if (error.code === 'cancelled') return self.postMessage({type: 'cancelled', serial});
+  return self.postMessage({type: isFatal ? 'fatal' : 'error', of, serial, message: String(error.message ?? error)});
 }
 
 function drawPicture(request) {
@@ -181,8 +181,8 @@ function answerHover({serial, u, v}) {
 }
 
 /** Picks in the page's newest state. The latest picture is of another one only after an error. */
-function answerPick({serial, state, u, v}) {
+function answerPick({serial, state, pick}) {
   if (latest?.serial !== serial) render({...state, serial, budget: 0, quality: 'draft'}, 1);
-  return {type: 'picked', picked: splatlas.pick(u * latest.width, v * latest.height)};
+  return {type: 'picked', pick, picked: splatlas.pick(pick.u * latest.width, pick.v * latest.height)};
 }
 })();

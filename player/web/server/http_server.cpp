@@ -17,7 +17,7 @@
 namespace splatlas {
 namespace {
 
-constexpr std::size_t kMaxHeadBytes = 16384;
+constexpr std::size_t kMaxHeadBytes = 65536;  // cookies of many servers at 127.0.0.1
 constexpr std::size_t kMaxBodyBytes = std::size_t{1} << 20;
 constexpr unsigned kMaxConnections = 400;
 constexpr unsigned kPatienceSeconds = 10;

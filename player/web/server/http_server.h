@@ -48,7 +48,7 @@ struct HttpHandler {
   std::function<HttpAnswer(const HttpRequest&, const std::string& body)> answer;
 };
 
-/// Answers each connection on a thread of its own. Limits: 16 KiB for a request without its body, 1 MiB for a
+/// Answers each connection on a thread of its own. Limits: 64 KiB for a request without its body, 1 MiB for a
 /// body, 10 s for a pause, 400 connections.
 class HttpServer {
  public:

@@ -144,25 +144,27 @@ struct PageServer::Impl {
   }
 
   HttpAnswer call(const std::string& id, const std::string& worker, const std::string& request) {
+    const bool ends_others = is_draft(request);
     std::shared_ptr<Session> session;
     {
       const std::scoped_lock lock(mutex);
       const auto found = open.find(id);
       if (found == open.end() || (worker != "0" && worker != "1"))
         return {.status = kNoPage, .body = bytes_of("the page is closed\n")};
-      auto& place = found->second[worker];
-      if (!place) {
-        place = std::make_shared<Session>(page.renderer);
-        place->engine.open(page.atlas);
+      Sessions& sessions = found->second;
+      if (!sessions.contains(worker)) {
+        auto made = std::make_shared<Session>(page.renderer);
+        made->engine.open(page.atlas);
+        sessions.emplace(worker, std::move(made));
       }
-      session = place;
-      if (is_draft(request)) stop_all(found->second, session.get());
+      session = sessions.at(worker);
+      if (ends_others) stop_all(sessions, session.get());
     }
     const std::scoped_lock one(session->busy);
     std::stop_token stop;
     {
       const std::scoped_lock lock(mutex);
-      if (is_ending) return {.status = kNoPage};
+      if (is_ending || !open.contains(id)) return {.status = kNoPage};
       session->stop = std::stop_source();
       stop = session->stop.get_token();
     }
@@ -194,6 +196,10 @@ PageServer::~PageServer() = default;
 
 std::string PageServer::address() const {
   return impl_->door.address(impl_->server->port());
+}
+
+std::string PageServer::address_with_ticket() const {
+  return impl_->door.address_with_ticket(impl_->server->port());
 }
 
 bool PageServer::is_left() const {

@@ -20,12 +20,11 @@ struct ServedPage {
 
 /// A server on 127.0.0.1 behind a Door:
 ///
-///   GET /                         the page
-///   GET /alive?page=ID            a stream that ends with the page: the page is open as long
-///   POST /call?page=ID&worker=N   a request to the PageEngine of a worker. Two numbers of 32 bits, the
-///   status
-///                                 and the bytes of the text; the text; and the pixels of a picture, 8-bit
-///                                 sRGB. 410 once the page is closed
+///   - GET /: the page.
+///   - GET /alive?page=ID: a stream; the page is open as long as it is.
+///   - POST /call?page=ID&worker=N: a request to the PageEngine of a worker, 0 or 1. Two numbers of 32 bits,
+///     the status and the bytes of the text; the text; and the pixels of a picture, 8-bit sRGB. 410 once the
+///     page is closed.
 ///
 /// A worker has an engine of its own; all read one atlas. A draft ends what the other workers of its page
 /// draw. Thread-safe.
@@ -40,6 +39,8 @@ class PageServer {
 
   /// With the token. Secret: whoever has it sees the atlas.
   [[nodiscard]] std::string address() const;
+  /// With a ticket in its place, which works once.
+  [[nodiscard]] std::string address_with_ticket() const;
   /// True once pages were open, and the last one has been closed for ten seconds.
   [[nodiscard]] bool is_left() const;
   /// What a damaged atlas lacked in the pictures so far: one line; empty: nothing.

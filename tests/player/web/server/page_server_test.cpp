@@ -203,8 +203,14 @@ TEST_F(PageServerTest, APageIsOpenAsLongAsItsStream) {
   EXPECT_EQ(call(0, R"({"call": "wanted"})").http, 200);
 }
 
-TEST(Door, HasATokenOfItsOwn) {
-  EXPECT_NE(value_or_throw(Door::create()).address(1), value_or_throw(Door::create()).address(1));
+TEST(Door, HasATokenOfItsOwnAndATicketForOneUse) {
+  const Door door = value_or_throw(Door::create());
+  EXPECT_NE(door.address(1), value_or_throw(Door::create()).address(1));
+  const std::string address = door.address_with_ticket(1);
+  const std::string ticket = address.substr(address.find('=') + 1);
+  EXPECT_FALSE(door.admits({.host = "evil.example", .origin = {}, .token = ticket, .cookie = {}}));
+  EXPECT_TRUE(door.admits({.host = "127.0.0.1:1", .origin = {}, .token = ticket, .cookie = {}}));
+  EXPECT_FALSE(door.admits({.host = "127.0.0.1:1", .origin = {}, .token = ticket, .cookie = {}}));
 }
 
 TEST(PageServer, NamesThePortThatIsTaken) {
