@@ -1,10 +1,9 @@
 // A worker of the page: draws and picks by an engine. Follows splatlas.js in one script.
 //
-// From the page:  {type: 'start', server, or module with atlas or size}, 'given' and 'withheld' pieces of an atlas on a server, and then
-//                 {type: 'draw'}, {type: 'pick'}, {type: 'hover'}, {type: 'label'} and {type: 'fit'}; see engine.js.
-// To the page:    'wanted' pieces, 'ready', 'picture', 'picked', 'hovered', 'labelled', 'fitted',
-//                 'error' (the worker goes on) and 'fatal' (it
-//                 does not).
+// From the page:  {type: 'start', server, or module with atlas or size}, 'given' and 'withheld' pieces of an atlas on a
+//                 server, and then {type: 'draw'}, 'pick', 'hover', 'label' and 'fit'; see engine.js.
+// To the page:    'wanted' pieces, 'ready', 'picture', 'picked', 'hovered', 'labelled', 'fitted', 'cancelled', 'error'
+//                 (the worker goes on) and 'fatal' (it does not).
 'use strict';
 
 (() => {
