@@ -5,7 +5,6 @@
 #include <iterator>
 #include <numeric>
 #include <string>
-#include <unordered_map>
 
 #include <fmt/format.h>
 

@@ -1,11 +1,10 @@
-// Loads splatlas.wasm, and class Splatlas: an atlas with one selection, camera and picture. A plain script without
+// Loads splatlas.wasm, and class Splatlas: an atlas with one selection and picture. A plain script without
 // dependencies for windows, workers (importScripts) and Node (require); assigns globalThis.Splatlas.
 //
 //   const splatlas = await Splatlas.load(bytesOfModule);
 //   splatlas.open(bytesOfAtlas);
-//   splatlas.select('Brain:surface');
-//   splatlas.fit(512, 512);
-//   const {width, height, data} = splatlas.render(512, 512);  // new ImageData(data, width, height)
+//   const state = {select: 'Brain:surface', size: [512, 512], camera: {azimuth: 30, fit: {}}};
+//   const {width, height, data} = splatlas.draw(state);  // new ImageData(data, width, height)
 //
 // Calls are synchronous. They throw Splatlas.Error with a message of one line and a code: 'failed', 'usage',
 // 'invalid-atlas', 'not-found', 'limit' or 'cancelled'. The module then keeps its state. After any other exception,
@@ -101,15 +100,11 @@ class Server {
 
 class Splatlas {
   #engine;
-  #cuts = [];
-  #options = {};
   #values = 0;  // of the latest picture
 
   /** @param {Module|Server} engine see load() and connect() */
   constructor(engine) {
     this.#engine = engine;
-    /** Camera of the next picture; see view(). */
-    this.camera = {};
   }
 
   /** Starts an instance of the module.
@@ -128,11 +123,10 @@ class Splatlas {
     return new Splatlas(new Server(url));
   }
 
-  /** Opens an atlas in place of the one before. Nothing is selected; the camera is anterior.
+  /** Opens an atlas in place of the one before. Nothing is selected.
    * @param {Uint8Array|ArrayBuffer} bytes of the file; copied */
   open(bytes) {
     this.#call('open', {}, bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes));
-    this.camera = {};
   }
 
   /** Opens an atlas on a server: the caller fetches what wanted() names, gives it, and opens again until it is open.
@@ -146,7 +140,6 @@ class Splatlas {
       if (error.code !== 'failed') throw error;
       return false;
     }
-    this.camera = {};
     return true;
   }
 
@@ -176,51 +169,20 @@ class Splatlas {
     return this.#call('select', {select: text});
   }
 
-  /** Changes the camera: azimuth and elevation in degrees, zoom (1: the atlas fills the picture), center in LPS mm or
-   * null for that of the atlas, projection 'parallel' or 'perspective', fieldOfView in degrees. What is not given stays.
-   * @param {object} camera */
-  view(camera) {
-    this.camera = {...this.camera, ...camera};
-  }
-
-  /** Fits the camera to the selection, or to its part in a structure with its descendants. Keeps the direction.
-   * @param {number} [structure] index; none: the whole selection
-   * @returns {object} the camera */
-  fit(width, height, structure = -1) {
-    return this.camera = this.fitted(this.#state([width, height], {structure}));
-  }
-
-  /** The camera that draw() would take for a state. @returns {object} */
-  fitted(state) {
-    return this.#call('fit', state);
-  }
-
-  /** Replaces the cuts, at most six: each removes the points p with normal.p > offset, in LPS mm. Errors come with the
-   * picture. @param {{normal: number[], offset: number}[]} planes */
-  cut(planes) {
-    this.#cuts = [...planes];
-  }
-
-  /** Options of pictures.
-   * @param {object} options caps: faces of cuts, 'values', 'labels', 'both' (default) or 'none'; depthCue: darken what
-   *   is behind (default false); shading: light boundary voxels (default true); draftBudget: ms for a draft, 0
-   *   (default) for any */
-  options(options = {}) {
-    this.#options = {...options};
-  }
-
-  /** Renders a picture.
-   * @param {number} width in pixels, an integer like the height
-   * @param {'draft'|'normal'|'high'} quality
+  /** Renders a state.
+   * @param {object} state
+   *   select: a text as of `splatlas-player render --select`; none: the selection stays;
+   *   size: [width, height] in pixels;
+   *   quality: 'draft', 'normal' (default) or 'high';
+   *   camera: azimuth and elevation in degrees, zoom (1: the atlas fills the picture), center in LPS mm (none: that of the
+   *     atlas), projection 'parallel' or 'perspective', fieldOfView in degrees. With `fit`, {structure, zoom, center,
+   *     size}, it is fitted to the selection or to the part in a structure (an index, with its descendants), and then
+   *     zoomed; center and size take the place of those of the fit and of the state;
+   *   cuts: at most six {normal, offset}, each of which removes the points p with normal.p > offset, in LPS mm;
+   *   caps: faces of cuts, 'values', 'labels', 'both' (default) or 'none'; depthCue: darken what is behind (false);
+   *   shading: light boundary voxels (true); draftBudget: ms for a draft, 0 (default) for any
    * @returns {{width: number, height: number, data: Uint8ClampedArray, missing: string[]}} sRGB with straight alpha, as
-   *   ImageData; `missing` tells what a damaged atlas lacks */
-  render(width, height, quality = 'normal') {
-    return this.draw({...this.#state([width, height]), quality});
-  }
-
-  /** Renders a state, whatever was set before: select, camera, cuts, size, quality and the options. Other than the
-   * camera of view(), that of a state may have `fit`: {structure, zoom, center, size} fits it first.
-   * @returns {object} as render(), with the camera and ms, and for the first picture of a selection
+   *   ImageData; `missing` tells what a damaged atlas lacks; with the camera and ms, and for the first picture of a selection
    *   with warnings and `drawn`, by the index of structures: ['surface', 0.4, '#c0392b'], ['ghost', null, ...] or
    *   ['off']; the opacity is null where it is the default */
   draw(state) {
@@ -229,6 +191,11 @@ class Splatlas {
     const [width, height] = state.size;
     this.#values = 4 * width * height;
     return {...answer, width, height, data: this.#engine.pixels(this.#values)};
+  }
+
+  /** The camera that draw() would take for a state. @returns {object} */
+  fitted(state) {
+    return this.#call('fit', state);
   }
 
   /** The latest picture of a module in linear RGBA, premultiplied. @returns {Float32Array} 4 * width * height values */
@@ -249,11 +216,6 @@ class Splatlas {
    *   casing color] and texts [text, x, baseline, size, color], in pixels */
   labels(options) {
     return this.#call('labels', options);
-  }
-
-  #state(size, fit = null) {
-    const camera = fit ? {...this.camera, fit} : this.camera;
-    return {size, camera, cuts: this.#cuts, ...this.#options};
   }
 
   /** Calls the engine. @returns its answer */

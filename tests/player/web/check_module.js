@@ -62,12 +62,10 @@ function checkScenes(splatlas, lesson) {
     splatlas.draw({select: scene.select, cuts: scene.cuts, camera, size});
     const floats = splatlas.floats();
     assert(floats.some(value => value > 0), scene.name);
-    splatlas.select(scene.select);
-    splatlas.cut(scene.cuts);
-    splatlas.camera = {azimuth: scene.azimuth, elevation: scene.elevation};
-    const {zoom, center} = splatlas.fit(...size);
-    splatlas.view({zoom: zoom * scene.zoom, center: scene.center ?? center});
-    splatlas.render(...size);
+    const {azimuth, elevation, select, cuts} = scene;
+    const {zoom, center} = splatlas.fitted({select, cuts, size, camera: {azimuth, elevation, fit: {}}});
+    const placed = {azimuth, elevation, zoom: zoom * scene.zoom, center: scene.center ?? center};
+    splatlas.draw({select, cuts, size, camera: placed});
     assert.deepStrictEqual(splatlas.floats(), floats, scene.name);
   });
 }
@@ -91,11 +89,8 @@ async function checkPieces(module, folder) {
     return ranges.length > 0;
   };
   const floatsOf = (splatlas, select) => {
-    splatlas.select(select);
-    splatlas.camera = {azimuth: 30, elevation: 20};
     try {
-      splatlas.fit(120, 90);
-      splatlas.render(120, 90);
+      splatlas.draw({select, size: [120, 90], camera: {azimuth: 30, elevation: 20, fit: {}}});
     } catch (error) {
       assert(splatlas === remote && error.code === 'failed', error);  // nothing of it is there
       return null;
@@ -123,11 +118,9 @@ function outcome(splatlas, atlas) {
   try {
     splatlas.open(atlas);
     splatlas.info();
-    splatlas.select('*:both');
     const pictures = [];
     for (const [azimuth, elevation] of [[0, 0], [90, 0], [0, 90]]) {
-      splatlas.view({azimuth, elevation});
-      const {data, missing} = splatlas.render(32, 32, 'draft');
+      const {data, missing} = splatlas.draw({select: '*:both', size: [32, 32], quality: 'draft', camera: {azimuth, elevation}});
       if (missing.length > 0) return 'part';
       pictures.push(Buffer.from(data).toString('hex'));
     }
@@ -170,10 +163,8 @@ async function checkHostile(module, folder) {
     try {
       splatlas.open(fs.readFileSync(atlas));
       splatlas.info();
-      splatlas.select('*:both');
-      splatlas.view({azimuth: 20, elevation: 10});
-      splatlas.options({caps: 'values'});
-      outcome = splatlas.render(32, 32).missing.length > 0 ? 'part' : 'whole';
+      const state = {select: '*:both', size: [32, 32], caps: 'values', camera: {azimuth: 20, elevation: 10}};
+      outcome = splatlas.draw(state).missing.length > 0 ? 'part' : 'whole';
     } catch (error) {
       if (!(error instanceof Splatlas.Error)) throw error;
       assert(expected === null || error.code === 'limit', `atlas ${n}: ${error}`);
