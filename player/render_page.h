@@ -58,13 +58,14 @@ class PageRenderer {
   /// Replaces PageOptions::labelled.
   void set_labelled(std::vector<bool> labelled);
 
-  /// The camera of render(), which takes it as it is if `fitted`.
+  /// The camera of a page (see render()). Errors of render().
   [[nodiscard]] Result<Camera> fit(Renderer& renderer, const Camera& camera);
-  /// Renders the renderer's selection. Fits it to the space that the annotations leave: for labels and a
-  /// legend, a small draft render finds the visible structures first. The zoom of the camera multiplies that
-  /// of the fit; its centre, if it has one, replaces that of the fit. Adds to the notes of the annotations
-  /// what the page lacks. Errors of Renderer::fit() and render(); kUsage if the product of the zooms is
-  /// beyond the limits or the picture too small for its annotations; kFailed for fonts and modules.
+  /// Renders the renderer's selection. Unless the camera is `fitted`, fits it to the space that the
+  /// annotations leave: for labels and a legend, a small draft render finds the visible structures first. The
+  /// zoom of the camera multiplies that of the fit; its centre, if it has one, replaces that of the fit. Adds
+  /// to the notes of the annotations what the page lacks. Errors of Renderer::fit() and render(); kUsage if
+  /// the product of the zooms is beyond the limits or the picture too small for its annotations; kFailed for
+  /// fonts and modules.
   [[nodiscard]] Result<Page> render(Renderer& renderer, const Camera& camera,
                                     const RenderControl& control = {}, bool fitted = false);
   /// The bytes of the file. Draws the annotations into the picture of `page`, except in .svg and .pdf, which

@@ -94,7 +94,7 @@ Result<void> write_outputs(const RenderRequest& request, std::span<const std::by
   }
   if (!request.stats.empty())
     SPLATLAS_RETURN_IF_ERROR(add_file(request.stats, std::as_bytes(std::span(stats)), files));
-  const bool to_stream = request.output == kStandardOutput;
+  const bool to_stream = request.output == "-";
   if (!to_stream) SPLATLAS_RETURN_IF_ERROR(add_file(request.output, picture, files));
   SPLATLAS_RETURN_IF_ERROR(commit_files(files));
   return to_stream ? print_bytes(picture) : Result<void>();
@@ -105,11 +105,11 @@ Result<void> check_files(const RenderRequest& request) {
   std::filesystem::path output = request.output;
   const Result<void> is_picture = PictureEncoder::check_ending(output);
   if (request.is_folder()) {
-    if (is_picture || output == kStandardOutput)
+    if (is_picture || output == "-")
       return fail(ErrorCode::kUsage, "{}: must name a folder, without the ending of a picture",
                   output.string());
     SPLATLAS_RETURN_IF_ERROR(check_writable_folder(std::exchange(output, {})));
-  } else if (output != kStandardOutput) {
+  } else if (output != "-") {
     SPLATLAS_RETURN_IF_ERROR(is_picture);
   } else if (output.clear(); ::isatty(STDOUT_FILENO) != 0) {
     return fail(ErrorCode::kUsage, "-o -: standard output is a terminal; redirect it: -o - > picture.png");
@@ -268,7 +268,7 @@ Result<RenderReport> run_render(const RenderRequest& request, const RenderContro
   SPLATLAS_RETURN_IF_ERROR(check_files(request));
   SPLATLAS_RETURN_IF_ERROR(parse_selection(request.select));
   SPLATLAS_RETURN_IF_ERROR(view_of(request.camera, options.render.size, Display{}).map_error(with_option));
-  const bool is_png = request.is_folder() || request.output == kStandardOutput;
+  const bool is_png = request.is_folder() || request.output == "-";
   SPLATLAS_ASSIGN_OR_RETURN(PageRenderer pages,
                             PageRenderer::create(is_png ? "picture.png" : request.output, options));
 

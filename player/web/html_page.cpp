@@ -22,10 +22,11 @@ constexpr std::size_t kMaxTextBytes = 4000;
 
 /// Two scenes of usual length fit on a printed page.
 constexpr std::string_view kHandoutStyle =
-    "body { max-width: 60rem; margin: auto; font: 1rem/1.4 sans-serif; overflow-wrap: anywhere; }"
-    "section { margin-bottom: 2rem; break-inside: avoid; } img { max-width: 100%; max-height: 90vh; }"
-    "h2, em, p { display: block; margin: 0.5rem 0; white-space: pre-line; } h2 { font-size: 1.2rem; }"
-    "@page { margin: 15mm; } @media print { img { max-height: 90mm; } }";
+    "body { max-width: 60rem; margin: auto; padding: 1rem; font: 1rem/1.4 sans-serif; }"
+    "section { break-inside: avoid; overflow-wrap: anywhere; } img { max-width: 100%; max-height: 90vh; }"
+    "h1 { font-size: 1.6rem; } h2, em, p { display: block; margin: 0.5rem 0; white-space: pre-line; } h2 { "
+    "font-size: 1.2rem; }"
+    "@page { margin: 15mm; } @media print { body { padding: 0; } img { max-height: 82mm; } }";
 
 std::string base64(std::span<const std::byte> bytes) {
   std::string text(BASE64_ENCODE_RAW_LENGTH(bytes.size()), '\0');
