@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "format/content/atlas_content.h"
-#include "format/content/grid.h"
 #include "format/content/frame_center.h"
+#include "format/content/grid.h"
 #include "format/result.h"
 
 namespace splatlas {

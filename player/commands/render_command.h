@@ -18,7 +18,7 @@ namespace splatlas {
 /// Arguments of the render command.
 struct RenderRequest {
   std::filesystem::path atlas, output;  ///< output "-": a PNG to standard output
-  bool all_scenes = false;  ///< --scenes: the output is the folder of a handout
+  bool all_scenes = false;              ///< --scenes: the output is the folder of a handout
   double turn_deg = 0;
   std::size_t frames = 0;  ///< of a turn, to a folder; 0: one picture
   std::string select = "*";

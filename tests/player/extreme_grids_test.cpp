@@ -79,21 +79,5 @@ TEST(ExtremeGrids, FitsBeyondReachNameTheAtlas) {
   EXPECT_GT(beyond, 0);
 }
 
-/// A row longer than 16-bit counts, as a whole and in part.
-TEST(ExtremeGrids, LongRowsRender) {
-  const std::int64_t length = 70001;
-  TestVolume volume;
-  volume.grid = {{length, 1, 1}};
-  volume.structures = {{"row", std::vector<bool>(static_cast<std::size_t>(length), true)}};
-  const AtlasContent content = make_content(volume);
-  const Selection selection = selection_of("row(opacity=0.5)", content.graph);
-  const Camera camera{.zoom = zoom_for(content.display, 9, 0.5), .center_lps_mm = Vec3{66000, 0, 0}};
-  const Picture picture =
-      render_or_throw(content, selection, camera, {.size = {9, 9}, .hybrid_shading = false});
-  for (int x = 0; x < 9; ++x) EXPECT_NEAR(picture.at(x, 4)[3], 0.5, 1e-6);
-  const Picture whole = render_or_throw(content, selection, {}, {.size = {99, 9}});
-  EXPECT_LE(reference::energy_violation(whole), 1e-6);
-}
-
 }  // namespace
 }  // namespace splatlas

@@ -315,16 +315,6 @@ TEST(FitSelection, ReadsTheDataOfThePicture) {
   }
 }
 
-TEST(FitSelection, IgnoresZoomAndCentre) {
-  const AtlasContent content = phantom_content();
-  Renderer renderer = renderer_of(content, selection_of("*", content.graph));
-  const Camera plain = value_or_throw(renderer.fit({.azimuth_deg = 30}));
-  const Camera moved =
-      value_or_throw(renderer.fit({.azimuth_deg = 30, .zoom = 7, .center_lps_mm = Vec3{1, 2, 3}}));
-  EXPECT_EQ(moved.zoom, plain.zoom);
-  EXPECT_EQ(moved.center_lps_mm, plain.center_lps_mm);
-}
-
 /// A fit to a structure is the fit of a selection of the structure alone.
 TEST(FitSelection, FitsToAPartOfTheSelection) {
   using phantom_structure::kSphere2;
