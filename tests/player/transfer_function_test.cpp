@@ -102,13 +102,6 @@ TEST(TransferFunction, IsFullEverywhereWithoutAWindow) {
   }
 }
 
-TEST(TransferFunction, CurvesAreTakenAsTheyAre) {
-  const Points points{{-3, 0.1f, 0.5f}, {4, 0.75f, 1}, {5, 0}};
-  EXPECT_EQ(points_of(curve(points)), points);
-  EXPECT_EQ(full_opacity(styled(curve(points))), 0.75f);
-  EXPECT_EQ(points_of(curve(points), 0.75f), points);
-}
-
 TEST(TransferFunction, AnOpacityScalesACurve) {
   const Points points{{0, 0}, {1, 0.5f, 0.5f}, {2, 0.75f}};  // depths 0, ln 2, 2 ln 2
   const Points scaled = points_of(curve(points), 0.9375f);

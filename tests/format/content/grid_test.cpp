@@ -198,11 +198,6 @@ TEST(AxisStorageOrder, TiesGoToTheFirstPermutation) {
   EXPECT_EQ(storage_order(grid), (AxisOrder{{0, 1, 2}, {false, true, false}}));
 }
 
-TEST(AxisStorageOrder, LengthOfTheDirectionsColumnsDoesNotMatter) {
-  const Grid grid{.size = {2, 3, 4}, .direction_lps = {0.6, 8, 0, 0.8, -6, 0, 0, 0, 0.1}};
-  EXPECT_EQ(storage_order(grid), (AxisOrder{{1, 0, 2}, {false, false, false}}));
-}
-
 TEST(ValidateGrid, TakesWhatFilesHold) {
   EXPECT_TRUE(validate({.size = {1, 1, 1}}, "g"));
   EXPECT_TRUE(validate({.size = {kMaxAxisSize, 1 << 16, 1}}, "g"));
