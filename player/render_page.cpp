@@ -126,7 +126,7 @@ struct PageRenderer::Impl {
     SPLATLAS_ASSIGN_OR_RETURN(AnnotationLayer layer, annotate_picture(scene, content, measure));
     if (options.items.caption && content.caption.empty() && !options.caption)
       layer.notes.emplace_back("the atlas has no title; give a caption with --caption TEXT");
-    note_missing_glyphs(layer);
+    note_missing_glyphs(layer.texts, layer.notes);
     if (names_structures() && scene.structures.empty() && frame.stats.triangles > 0)
       layer.notes.emplace_back(
           "the memory does not suffice to name structures; raise --memory, or take a smaller --size");
@@ -135,13 +135,21 @@ struct PageRenderer::Impl {
     return layer;
   }
 
+  /// Paints the background, and returns what to draw over the picture.
+  [[nodiscard]] FileAnnotations prepare(Page& page) {
+    if (options.background && options.background_bottom && !keeps_alpha)
+      paint_behind(page.frame.picture, *options.background, *options.background_bottom);
+    if (!options.items.any()) return {nullptr, nullptr, title, options.dpi};
+    return {&page.annotations, &*drawer, title, annotation_dpi({.dpi = options.dpi}, options.render.size)};
+  }
+
   /// Notes the first text whose letters no font has.
-  void note_missing_glyphs(AnnotationLayer& layer) const {
+  void note_missing_glyphs(const std::vector<PlacedText>& texts, std::vector<std::string>& notes) const {
     const auto lacks = [this](const PlacedText& text) { return drawer->lacks_glyphs(text.text); };
-    const auto first = std::ranges::find_if(layer.texts, lacks);
-    if (first == layer.texts.end()) return;
-    const auto others = std::count_if(first + 1, layer.texts.end(), lacks);
-    layer.notes.push_back(
+    const auto first = std::ranges::find_if(texts, lacks);
+    if (first == texts.end()) return;
+    const auto others = std::count_if(first + 1, texts.end(), lacks);
+    notes.push_back(
         fmt::format("no font has all letters of \"{}\"{}; install one, such as fonts-noto or fonts-noto-cjk, "
                     "or take --font FILE",
                     first->text,
@@ -186,13 +194,22 @@ void PageRenderer::set_cuts(const CutPlanes& cuts) {
   impl_->options.render.cuts = cuts;
 }
 
-Result<Page> PageRenderer::render(Renderer& renderer, const Camera& camera, const RenderControl& control) {
+Result<Camera> PageRenderer::fit(Renderer& renderer, const Camera& camera) {
+  double decode_ms = 0;
+  return impl_->fit(renderer, camera, decode_ms);
+}
+
+Result<Page> PageRenderer::render(Renderer& renderer, const Camera& camera, const RenderControl& control,
+                                  bool fitted) {
   const PageOptions& options = impl_->options;
   impl_->title = printed_lines(options.caption.value_or(renderer.atlas().provenance().title));
   std::ranges::replace(impl_->title, '\n', ' ');
   double decode_ms = 0;
   Page page;
-  SPLATLAS_ASSIGN_OR_RETURN(page.camera, impl_->fit(renderer, camera, decode_ms));
+  page.camera = camera;
+  if (!fitted) {
+    SPLATLAS_ASSIGN_OR_RETURN(page.camera, impl_->fit(renderer, camera, decode_ms));
+  }
   SPLATLAS_ASSIGN_OR_RETURN(page.frame, renderer.render(page.camera, options.render, control));
   page.frame.stats.decode_ms += decode_ms;
   if (options.outlines) {
@@ -206,16 +223,22 @@ Result<Page> PageRenderer::render(Renderer& renderer, const Camera& camera, cons
 }
 
 Result<std::vector<std::byte>> PageRenderer::encode(Page& page) {
-  const PageOptions& options = impl_->options;
-  FileAnnotations annotations{nullptr, nullptr, impl_->title, options.dpi};
-  if (options.items.any()) {
-    annotations.drawer = &*impl_->drawer;
-    annotations.layer = &page.annotations;
-    annotations.dpi = annotation_dpi({.dpi = options.dpi}, options.render.size);
-  }
-  if (options.background && options.background_bottom && !impl_->keeps_alpha)
-    paint_behind(page.frame.picture, *options.background, *options.background_bottom);
-  return impl_->encoder.encode(page.frame.picture, options.background, annotations);
+  const FileAnnotations annotations = impl_->prepare(page);
+  return impl_->encoder.encode(page.frame.picture, impl_->options.background, annotations);
+}
+
+Result<std::vector<std::byte>> PageRenderer::encode_in_document(Page& page, const PageTexts& texts,
+                                                                bool is_last) {
+  std::optional<TextDrawer>& drawer = impl_->drawer;
+  if (!drawer) drawer.emplace(impl_->options.font);
+  SPLATLAS_RETURN_IF_ERROR(drawer->wait());
+  FileAnnotations annotations = impl_->prepare(page);
+  annotations.drawer = &*drawer;
+  annotations.texts = {printed_line(texts.heading), printed_lines(texts.question),
+                       printed_lines(texts.caption)};
+  annotations.is_last = is_last;
+  impl_->note_missing_glyphs({{texts.heading}, {texts.question}, {texts.caption}}, page.annotations.notes);
+  return PictureEncoder("handout.pdf").encode(page.frame.picture, impl_->options.background, annotations);
 }
 
 }  // namespace splatlas

@@ -58,16 +58,23 @@ class PageRenderer {
   /// Replaces PageOptions::labelled.
   void set_labelled(std::vector<bool> labelled);
 
-  /// Renders the renderer's selection. Fits it to the space that the annotations leave: for labels and a
-  /// legend, a small draft render finds the visible structures first. The zoom of the camera multiplies that
-  /// of the fit; its centre, if it has one, replaces that of the fit. Adds to the notes of the annotations
-  /// what the page lacks. Errors of Renderer::fit() and render(); kUsage if the product of the zooms is
-  /// beyond the limits or the picture too small for its annotations; kFailed for fonts and modules.
+  /// The camera of a page (see render()). Errors of render().
+  [[nodiscard]] Result<Camera> fit(Renderer& renderer, const Camera& camera);
+  /// Renders the renderer's selection. Unless the camera is `fitted`, fits it to the space that the
+  /// annotations leave: for labels and a legend, a small draft render finds the visible structures first. The
+  /// zoom of the camera multiplies that of the fit; its centre, if it has one, replaces that of the fit. Adds
+  /// to the notes of the annotations what the page lacks. Errors of Renderer::fit() and render(); kUsage if
+  /// the product of the zooms is beyond the limits or the picture too small for its annotations; kFailed for
+  /// fonts and modules.
   [[nodiscard]] Result<Page> render(Renderer& renderer, const Camera& camera,
-                                    const RenderControl& control = {});
+                                    const RenderControl& control = {}, bool fitted = false);
   /// The bytes of the file. Draws the annotations into the picture of `page`, except in .svg and .pdf, which
   /// hold them as vectors. kFailed for errors of modules and their libraries. Memory: see write_picture().
   [[nodiscard]] Result<std::vector<std::byte>> encode(Page& page);
+  /// Adds the page with these texts to a PDF document, whose bytes it returns with the last page. Comes ahead
+  /// of encode(), which draws the annotations. Notes letters that no font has. Errors of encode().
+  [[nodiscard]] Result<std::vector<std::byte>> encode_in_document(Page& page, const PageTexts& texts,
+                                                                  bool is_last);
 
  private:
   struct Impl;

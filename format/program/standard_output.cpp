@@ -16,7 +16,10 @@ tl::unexpected<Error> cannot_write(const char* reason) {
 }  // namespace
 
 Result<void> print_text(const PrintableText& text) {
-  const std::string& bytes = text.text();
+  return print_bytes(std::as_bytes(std::span(text.text())));
+}
+
+Result<void> print_bytes(std::span<const std::byte> bytes) {
   if (std::fwrite(bytes.data(), 1, bytes.size(), stdout) == bytes.size()) return finish_standard_output();
   return cannot_write(std::strerror(errno));
 }

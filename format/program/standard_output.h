@@ -1,7 +1,9 @@
 // Printing: the only writes to standard output and standard error.
 #pragma once
 
+#include <cstddef>
 #include <cstdio>
+#include <span>
 #include <string_view>
 
 #include "format/result.h"
@@ -11,6 +13,9 @@ namespace splatlas {
 
 /// Writes text to standard output and flushes; kFailed, with the reason, on error.
 [[nodiscard]] Result<void> print_text(const PrintableText& text);
+
+/// Writes a file's bytes to standard output and flushes; the same error.
+[[nodiscard]] Result<void> print_bytes(std::span<const std::byte> bytes);
 
 /// Flushes standard output; kFailed if this or any earlier write failed. Programs call it last, to report
 /// lost output.

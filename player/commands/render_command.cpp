@@ -2,29 +2,18 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstddef>
-#include <span>
 #include <string_view>
 #include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
-#include "format/io/output_file.h"
-#include "format/io/output_path.h"
 #include "format/program/command_options.h"
-#include "format/result_macros.h"
-#include "format/tasks/task_control.h"
 #include "format/text/ascii_text.h"
-#include "format/text/json_text.h"
-#include "player/camera_moves.h"
 #include "player/commands/annotate_options.h"
 #include "player/files/picture_encoder.h"
-#include "player/web/render_warnings.h"
-#include "player/write_picture.h"
 
 namespace splatlas {
 namespace {
@@ -50,6 +39,10 @@ constexpr const char* kRenderFooter =
     "of\n"
     "7 to 13 points. --fit leaves room for them:\n"
     "  --annotate labels,legend,scalebar --size 3508x2480 --dpi 300 --background '#ffffff'\n"
+    "\n"
+    "A film of a turn, by ffmpeg:\n"
+    "  splatlas-player render brain.atlas -o turn --turn 360 --frames 150 --size 1280x720\n"
+    "  ffmpeg -framerate 25 -i turn/%04d.png -pix_fmt yuv420p turn.mp4\n"
     "\n"
     "Exit status: 0 done; 1 could not be done; 2 wrong usage; 3 not a valid atlas; 4 name not found.";
 
@@ -150,87 +143,26 @@ void add_quality(CLI::App& command, RenderOptions& options) {
              "darken pixels that lie behind their neighbours");
 }
 
-nlohmann::ordered_json missing_json(std::span<const MissingPart> missing, const StructureGraph& graph) {
-  auto json = nlohmann::ordered_json::array();
-  for (const MissingPart& part : missing) {
-    json.push_back({{"structure", graph[part.structure].id},
-                    {"part", part.surface ? "surface" : "volume"},
-                    {"voxels", part.voxels},
-                    {"why", part.error.message}});
-  }
-  return json;
-}
-
-/// Ids of the structures in an id image, by number.
-nlohmann::ordered_json ids_json(const IdImage& ids, const StructureGraph& graph) {
-  auto json = nlohmann::ordered_json::object();
-  std::vector<bool> is_shown(graph.size() + 1);
-  for (const StructureNumber number : ids.numbers) is_shown[number] = true;
-  for (std::size_t number = 1; number <= graph.size(); ++number) {
-    if (is_shown[number]) json[std::to_string(number)] = graph[static_cast<StructureIndex>(number - 1)].id;
-  }
-  return json;
-}
-
-nlohmann::ordered_json stats_json(const Frame& frame, const Atlas& atlas, double open_ms) {
-  const RenderStats& stats = frame.stats;
-  const Atlas::Counters bytes = atlas.counters();
-  nlohmann::ordered_json json{
-      {"voxels",
-       {{"volume", stats.volume_voxels}, {"surface", stats.surface_voxels}, {"hybrid", stats.hybrid_voxels}}},
-      {"occupancy", stats.occupancy},
-      {"runs_visited", stats.runs_visited},
-      {"voxels_visited", stats.voxels_visited},
-      {"triangles", stats.triangles},
-      {"bytes", {{"file", bytes.file}, {"read", bytes.read}, {"decoded", bytes.decoded}}},
-      {"ms",
-       {{"open", open_ms},
-        {"select", stats.select_ms},
-        {"decode", stats.decode_ms},
-        {"render", stats.render_ms}}},
-      {"missing", missing_json(frame.missing, atlas.graph())}};
-  if (!frame.ids.empty()) json["ids"] = ids_json(frame.ids, atlas.graph());
-  return json;
-}
-
-/// Names the option of a camera's parameter that the renderer refuses.
-Error with_option(Error error) {
-  static constexpr std::array<std::pair<std::string_view, std::string_view>, 2> kOptions{
-      {{"camera: field of view", "--field-of-view"}, {"camera: zoom", "--zoom"}}};
-  for (const auto& [subject, option] : kOptions) {
-    if (error.subject == subject) error.message.replace(0, subject.size(), option);
-  }
-  return error;
-}
-
-/// Writes all files or none.
-Result<void> write_outputs(const RenderRequest& request, std::span<const std::byte> picture,
-                           const std::string& stats, const Frame& frame) {
-  std::vector<OutputFile> files;
-  if (!request.ids.empty()) {
-    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, encode_ids(frame.ids, request.ids));
-    SPLATLAS_RETURN_IF_ERROR(add_file(request.ids, bytes, files));
-  }
-  if (!request.depth.empty()) {
-    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, encode_depths(frame.depths, request.depth));
-    SPLATLAS_RETURN_IF_ERROR(add_file(request.depth, bytes, files));
-  }
-  if (!request.stats.empty())
-    SPLATLAS_RETURN_IF_ERROR(add_file(request.stats, std::as_bytes(std::span(stats)), files));
-  SPLATLAS_RETURN_IF_ERROR(add_file(request.output, picture, files));
-  return commit_files(files);
-}
-
-/// Endings of the outputs, and that they can be written and are no inputs.
-Result<void> check_files(const RenderRequest& request) {
-  SPLATLAS_RETURN_IF_ERROR(PictureEncoder::check_ending(request.output));
-  if (!request.ids.empty()) SPLATLAS_RETURN_IF_ERROR(check_id_ending(request.ids));
-  if (!request.depth.empty()) SPLATLAS_RETURN_IF_ERROR(check_depth_ending(request.depth));
-  const std::vector outputs{request.output, request.stats, request.ids, request.depth};
-  SPLATLAS_RETURN_IF_ERROR(check_outputs(outputs, std::vector{request.atlas, request.page.font}));
-  for (const std::filesystem::path& path : outputs)
-    if (!path.empty()) SPLATLAS_RETURN_IF_ERROR(check_writable_file(path));
-  return {};
+/// Adds --scenes, --turn and --frames after the options that they exclude.
+void add_sequences(CLI::App& command, RenderRequest& request) {
+  CLI::Option* const scenes =
+      add_parsed(command, "--scenes", request.output, non_empty<std::filesystem::path>, "must name a folder",
+                 "in place of -o: new folder with a picture of every scene, handout.html and handout.pdf, "
+                 "which have the captions")
+          ->each([&request](const std::string&) { request.all_scenes = true; });
+  CLI::Option* const turn =
+      command
+          .add_option("--turn", request.turn_deg,
+                      "degrees that the camera turns in all, from 0001.png in the folder of -o")
+          ->check(CLI::Range(-36000.0, 36000.0).description(""));
+  turn->needs(command.add_option("--frames", request.frames, "pictures of --turn, from 2 to 10000")
+                  ->check(CLI::Range(2, 10000).description(""))
+                  ->needs(turn));
+  for (const char* option : {"--stats", "--ids", "--depth"})
+    scenes->excludes(command.get_option(option)), turn->excludes(command.get_option(option));
+  for (const char* option :
+       {"--output", "--scene", "--select", "--view", "--azimuth", "--elevation", "--caption", "--turn"})
+    scenes->excludes(command.get_option(option));
 }
 
 }  // namespace
@@ -239,8 +171,8 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
   CLI::App* command = app.add_subcommand("render", "Render a selection to a picture file, without a window");
   command->add_option("ATLAS", request.atlas, "atlas file")->required()->check(names_a_file());
   add_parsed(*command, "-o,--output", request.output, non_empty<std::filesystem::path>, "must name a file",
-             "picture: .png, .jpg, .tif, .exr (linear float RGBA), or .svg and .pdf (vector annotations)")
-      ->required();
+             "picture: .png, .jpg, .tif, .exr (linear float RGBA), or .svg and .pdf (vector annotations); - "
+             "writes a PNG to standard output; with --turn a new folder");
   CLI::Option* select =
       command->add_option("--select", request.select, "selection text (see below)")->capture_default_str();
   CLI::Option* scene =
@@ -248,23 +180,31 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
                  "a named view of the atlas: its selection, camera, cuts, labels and caption; other options "
                  "are as given")
           ->excludes(select);
-  add_parsed(
-      *command, "--size", request.page.render.size, parse_size,
-      fmt::format("must be WIDTHxHEIGHT in pixels, each from 1 to {}, as in 1024x768", kMaxPictureSide),
-      "WIDTHxHEIGHT in pixels")
-      ->default_str(fmt::format("{}x{}", request.page.render.size.width, request.page.render.size.height));
+  const CLI::Option* size =
+      add_parsed(
+          *command, "--size", request.page.render.size, parse_size,
+          fmt::format("must be WIDTHxHEIGHT in pixels, each from 1 to {}, as in 1024x768", kMaxPictureSide),
+          "WIDTHxHEIGHT in pixels; --scenes: 1600x1200 by default")
+          ->default_str(
+              fmt::format("{}x{}", request.page.render.size.width, request.page.render.size.height));
   add_camera(*command, request.camera, request.names_projection);
   for (const char* option : {"--view", "--azimuth", "--elevation"})
     scene->excludes(command->get_option(option));
   add_framing(*command, request.page.fits_selection, request.center);
   add_quality(*command, request.page.render);
   add_cuts(*command, request.page.render, request.names_caps);
-  const CLI::Option* background =
-      add_parsed(*command, "--background", request.background, parse_background,
-                 "must be #rrggbb, #rrggbb,#rrggbb or transparent",
-                 "#rrggbb; two of them, top and bottom of a gradient; or transparent. .jpg: black by default")
-          ->default_str(to_hex(*request.background[0]));
-  command->parse_complete_callback([&request, background] {
+  const CLI::Option* background = add_parsed(*command, "--background", request.background, parse_background,
+                                             "must be #rrggbb, #rrggbb,#rrggbb or transparent",
+                                             "#rrggbb; two of them, top and bottom of a gradient; or "
+                                             "transparent. .jpg: black by default; --scenes: white")
+                                      ->default_str(to_hex(*request.background[0]));
+  command->parse_complete_callback([&request, background, size] {
+    if (request.output.empty()) throw CLI::RequiredError("--output or --scenes");
+    if (request.all_scenes) {
+      request.page.items.caption = false;  // the handout has it
+      if (size->count() == 0) request.page.render.size = {1600, 1200};
+      if (background->count() == 0) request.background[0] = Rgb{255, 255, 255};
+    }
     if (background->count() == 0 || request.background[0] || !PictureEncoder::is_opaque(request.output))
       return;
     throw CLI::ValidationError("--background \"transparent\"",
@@ -288,90 +228,9 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
       *command, "--depth", request.depth, non_empty<std::filesystem::path>, "must name a file",
       "depth map to write, .exr: mm from the plane through the picture's centre towards the eye, NaN for "
       "background");
+  add_sequences(*command, request);
   command->footer(kRenderFooter);
   return command;
-}
-
-namespace {
-
-/// Selection, caption, camera, cuts and labels of a picture.
-struct Shown {
-  std::string select, caption;
-  Camera camera;  ///< its zoom is relative to the fit
-  CutPlanes cuts;
-  std::vector<bool> labelled = {};
-};
-
-/// Takes them from the scene. Options that are given replace its values.
-Result<Shown> shown_by(const RenderRequest& request, const Atlas& atlas) {
-  Shown shown{.select = request.select, .caption = {}, .camera = request.camera, .cuts = {}};
-  if (!request.scene.empty()) {
-    SPLATLAS_ASSIGN_OR_RETURN(const Scene scene, find_scene(request.scene, atlas));
-    SPLATLAS_ASSIGN_OR_RETURN(const SceneFraming framing, framing_of(scene, atlas));
-    shown.select = scene.selection;
-    shown.caption = scene.caption;
-    shown.cuts = framing.cuts;
-    shown.labelled = framing.labelled;
-    shown.camera.azimuth_deg = scene.azimuth_deg;
-    shown.camera.elevation_deg = scene.elevation_deg;
-    shown.camera.zoom *= scene.zoom;
-    if (!request.names_projection && scene.perspective)
-      shown.camera.projection = CameraProjection::kPerspective;
-    shown.camera.center_lps_mm = framing.center_lps_mm;
-  }
-  if (!request.page.render.cuts.empty()) shown.cuts = request.page.render.cuts;
-  const Result<std::optional<Vec3>> center = center_of(request.center, atlas);
-  if (!center) return fail(center.error().code, "{}: --center: {}", atlas.name(), center.error().message);
-  if (*center) shown.camera.center_lps_mm = *center;
-  return shown;
-}
-
-}  // namespace
-
-Result<RenderReport> run_render(const RenderRequest& request, const RenderControl& control) {
-  // Report errors that do not need the atlas before opening it
-  PageOptions options = request.page;
-  options.render.ids = !request.ids.empty();
-  options.render.depths = !request.depth.empty();
-  options.background = request.background[0];
-  options.background_bottom = request.background[1];
-  SPLATLAS_RETURN_IF_ERROR(check_files(request));
-  SPLATLAS_RETURN_IF_ERROR(parse_selection(request.select));
-  SPLATLAS_RETURN_IF_ERROR(view_of(request.camera, options.render.size, Display{}).map_error(with_option));
-  SPLATLAS_ASSIGN_OR_RETURN(PageRenderer pages, PageRenderer::create(request.output, options));
-
-  // Open the atlas and select
-  const auto start = std::chrono::steady_clock::now();
-  SPLATLAS_ASSIGN_OR_RETURN(std::shared_ptr<const Atlas> atlas,
-                            Atlas::open(request.atlas, request.atlas_options));
-  const TaskControl task({}, {}, &atlas->work_budget());  // of all steps together
-  const double open_ms =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  SPLATLAS_ASSIGN_OR_RETURN(const Shown shown, shown_by(request, *atlas));
-  pages.set_cuts(shown.cuts);
-  pages.set_labelled(shown.labelled);
-  if (!options.caption && !shown.caption.empty()) pages.set_caption(shown.caption);
-  const auto named = [&](const Error& error) { return in_selection(error, *atlas, request.scene); };
-  SPLATLAS_ASSIGN_OR_RETURN(const auto terms, parse_selection(shown.select).map_error(named));
-  SPLATLAS_ASSIGN_OR_RETURN(const Selection selection,
-                            resolve_selection(terms, atlas->graph()).map_error(named));
-  RenderReport report;
-  SPLATLAS_ASSIGN_OR_RETURN(report.warnings, selection_warnings(terms, *atlas));
-  Renderer renderer(atlas, request.renderer);
-  SPLATLAS_RETURN_IF_ERROR(renderer.select(selection));
-
-  // Render and write
-  SPLATLAS_ASSIGN_OR_RETURN(Page page, pages.render(renderer, shown.camera, control).map_error(with_option));
-  const std::string nothing = emptiness_of(page.frame);
-  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> picture, pages.encode(page));
-  SPLATLAS_RETURN_IF_ERROR(
-      write_outputs(request, picture, json_text(stats_json(page.frame, *atlas, open_ms)), page.frame));
-  if (!nothing.empty()) report.warnings.push_back(nothing);
-  if (request.names_caps && shown.cuts.empty())
-    report.warnings.emplace_back("--cap has no effect without --cut");
-  report.notes = std::move(page.annotations.notes);
-  for (const MissingPart& part : page.frame.missing) report.missing.push_back(describe(part, atlas->graph()));
-  return report;
 }
 
 }  // namespace splatlas

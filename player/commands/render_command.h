@@ -17,7 +17,10 @@ namespace splatlas {
 
 /// Arguments of the render command.
 struct RenderRequest {
-  std::filesystem::path atlas, output;
+  std::filesystem::path atlas, output;  ///< output "-": a PNG to standard output
+  bool all_scenes = false;              ///< --scenes: the output is the folder of a handout
+  double turn_deg = 0;
+  std::size_t frames = 0;  ///< of a turn, to a folder; 0: one picture
   std::string select = "*";
   std::string scene;  ///< name; empty: none
   Camera camera;
@@ -31,6 +34,8 @@ struct RenderRequest {
   std::filesystem::path depth;    ///< depth map; empty: none
   bool names_caps = false;        ///< --cap is given
   bool names_projection = false;  ///< --projection is given
+
+  [[nodiscard]] bool is_folder() const { return all_scenes || frames > 0; }
 };
 
 /// Adds the command. Parsing fills `request`, which must outlive `app`. Invalid values throw
@@ -43,8 +48,9 @@ struct RenderReport {
   std::vector<std::string> missing;  ///< unreadable parts of a damaged atlas
 };
 
-/// Renders a picture and writes it, with statistics, id image and depth map if requested: all files or none.
-/// Renders the intact parts of a damaged atlas. Errors name the file. `control`: of the picture's rendering.
+/// Renders a picture and writes it, with statistics, id image and depth map if requested, or a folder of
+/// pictures: all files or none. Renders the intact parts of a damaged atlas. Errors name the file. `control`:
+/// of the picture's rendering.
 [[nodiscard]] Result<RenderReport> run_render(const RenderRequest& request, const RenderControl& control);
 
 }  // namespace splatlas

@@ -88,7 +88,9 @@ Result<Bytes> encode_pdf(TextDrawer& drawer, const Picture& picture, std::option
                document_dpi(annotations),
                {},
                annotations.title,
-               annotations.layer ? annotations.layer : &none};
+               annotations.layer ? annotations.layer : &none,
+               annotations.texts,
+               annotations.is_last};
   if (background) {
     const std::vector<std::uint8_t> srgb = to_srgb8(picture, *background);
     page.rgba.assign(srgb.size() / 3 * 4, 255);

@@ -27,6 +27,8 @@ struct FileAnnotations {
   TextDrawer* drawer = nullptr;              ///< ready, if there is a layer
   std::string title = {};                    ///< of the document, .pdf only
   std::optional<double> dpi = std::nullopt;  ///< pixels per inch in print; stored in all files but .exr
+  PageTexts texts = {};                      ///< this and the next: those of PdfPage, .pdf only
+  bool is_last = true;
 };
 
 /// Encodes one picture as .png, .jpg, .tif (8-bit sRGB), .exr (float, linear, premultiplied), or as .svg or
@@ -49,10 +51,11 @@ class PictureEncoder {
   [[nodiscard]] static Result<void> check_size(const std::filesystem::path& path, const PictureSize& size,
                                                std::optional<Rgb> background);
 
-  /// The bytes of the file; to call once. Composites over `background`, or keeps alpha without one (JPEG is
-  /// then over black). EXR always keeps alpha and ignores the background. Draws the annotations into the
-  /// picture, or writes them as vectors into documents. kFailed for errors of modules and their libraries.
-  /// Memory: at most picture_bytes() in addition to the picture; documents take twice as much.
+  /// The bytes of the file; to call once, except for .png. Composites over `background`, or keeps alpha
+  /// without one (JPEG is then over black). EXR always keeps alpha and ignores the background. Draws the
+  /// annotations into the picture, or writes them as vectors into documents. kFailed for errors of modules
+  /// and their libraries. Memory: at most picture_bytes() in addition to the picture; documents take twice as
+  /// much.
   [[nodiscard]] Result<std::vector<std::byte>> encode(Picture& picture, std::optional<Rgb> background,
                                                       const FileAnnotations& annotations = {});
 

@@ -31,7 +31,7 @@ class TextDrawer {
   [[nodiscard]] bool lacks_glyphs(std::string_view text) const;
   /// Coverage of one text. kFailed with the reason.
   [[nodiscard]] Result<TextCoverage> draw(const PlacedText& text) const;
-  /// A PDF document. kFailed with the reason.
+  /// Adds a page to a PDF document, whose bytes it returns with the last page. kFailed with the reason.
   [[nodiscard]] Result<std::vector<std::byte>> encode_pdf(const PdfPage& page) const;
 
  private:

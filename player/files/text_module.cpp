@@ -1,9 +1,11 @@
 #include "player/files/text_module.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <utility>
 
 #include <cairo-pdf.h>
 #include <cairo.h>
@@ -30,6 +32,7 @@ using TextContext = std::unique_ptr<PangoContext, Destroy<g_object_unref>>;
 using Layout = std::unique_ptr<PangoLayout, Destroy<g_object_unref>>;
 using Description = std::unique_ptr<PangoFontDescription, Destroy<pango_font_description_free>>;
 
+constexpr double kA4Width = 595.28, kA4Height = 841.89;  // points
 constexpr const char* kFamilies = "Liberation Sans,DejaVu Sans,sans-serif";
 
 /// Adds the first face of a font file to a configuration. Returns letters that it has; none if it cannot be
@@ -191,29 +194,36 @@ class PangoEngine : public TextEngine {
   }
 
   std::vector<std::byte> encode_pdf(const PdfPage& page, std::string& error) override {
-    // A page of the picture's size in points, drawn in pixels
-    std::vector<std::byte> bytes;
+    // A page of the picture's size in points, or of A4
     const double points = 72 / page.dpi;
-    const Surface surface(cairo_pdf_surface_create_for_stream(append, &bytes, points * page.size.width,
-                                                              points * page.size.height));
-    cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_TITLE, page.title.c_str());
-    cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATOR, "Splatlas");
-    cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE, "");  // reproducible files
+    const bool has_texts = !page.texts.heading.empty();
+    const double width = has_texts ? kA4Width : points * page.size.width;
+    const double height = has_texts ? kA4Height : points * page.size.height;
+    if (!document_) {
+      document_.reset(cairo_pdf_surface_create_for_stream(append, &bytes_, width, height));
+      cairo_pdf_surface_set_metadata(document_.get(), CAIRO_PDF_METADATA_TITLE, page.title.c_str());
+      cairo_pdf_surface_set_metadata(document_.get(), CAIRO_PDF_METADATA_CREATOR, "Splatlas");
+      cairo_pdf_surface_set_metadata(document_.get(), CAIRO_PDF_METADATA_CREATE_DATE, "");  // reproducible
+    }
     const Surface image = image_of(page);
     {
-      const Canvas cairo(cairo_create(surface.get()));
-      cairo_scale(cairo.get(), points, points);
+      const Canvas cairo(cairo_create(document_.get()));
+      const double scale = has_texts ? draw_beside_picture(page, cairo.get()) : points;
+      cairo_scale(cairo.get(), scale, scale);  // to pixels
       cairo_set_source_surface(cairo.get(), image.get(), 0, 0);
       cairo_pattern_set_filter(cairo_get_source(cairo.get()), CAIRO_FILTER_NEAREST);
       cairo_paint(cairo.get());
       draw_layer(*page.layer, cairo.get(), error);
+      cairo_show_page(cairo.get());
       if (error.empty() && cairo_status(cairo.get()) != CAIRO_STATUS_SUCCESS)
         error = cairo_status_to_string(cairo_status(cairo.get()));
     }
-    cairo_surface_finish(surface.get());
-    const cairo_status_t status = cairo_surface_status(surface.get());
+    if (!page.is_last) return {};
+    cairo_surface_finish(document_.get());
+    const cairo_status_t status = cairo_surface_status(document_.get());
     if (error.empty() && status != CAIRO_STATUS_SUCCESS) error = cairo_status_to_string(status);
-    return bytes;
+    document_.reset();
+    return std::exchange(bytes_, {});
   }
 
  private:
@@ -233,6 +243,35 @@ class PangoEngine : public TextEngine {
     pango_layout_set_single_paragraph_mode(layout.get(), TRUE);
     pango_layout_set_text(layout.get(), text.data(), static_cast<int>(text.size()));
     return layout;
+  }
+
+  /// Draws the texts of a page of A4 and moves the origin to its picture, whose points per pixel it returns.
+  [[nodiscard]] double draw_beside_picture(const PdfPage& page, cairo_t* cairo) const {
+    constexpr double kMargin = 48, kGap = 10, kWidth = kA4Width - 2 * kMargin;
+    const auto paragraph = [&](const std::string& text, double size, FontStyle style, double max_height) {
+      Layout layout = line_of(text, size, style);
+      pango_layout_set_single_paragraph_mode(layout.get(), FALSE);
+      pango_layout_set_width(layout.get(), static_cast<int>(kWidth * PANGO_SCALE));
+      pango_layout_set_height(layout.get(), static_cast<int>(max_height * PANGO_SCALE));
+      pango_layout_set_wrap(layout.get(), PANGO_WRAP_WORD_CHAR);
+      pango_layout_set_ellipsize(layout.get(), PANGO_ELLIPSIZE_END);
+      int height = 0;
+      if (!text.empty()) pango_layout_get_size(layout.get(), nullptr, &height);
+      return std::pair(std::move(layout), text.empty() ? 0 : height / double{PANGO_SCALE} + kGap);
+    };
+    const auto [heading, top] = paragraph(page.texts.heading, 16, FontStyle::kBold, 60);
+    const auto [question, middle] = paragraph(page.texts.question, 12, FontStyle::kItalic, 100);
+    const auto [caption, bottom] = paragraph(page.texts.caption, 11, FontStyle::kRegular, 250);
+    const double room = kA4Height - 2 * kMargin - top - middle - bottom;
+    const double scale = std::min(kWidth / page.size.width, room / page.size.height);
+    const auto show = [&](const Layout& layout, double y) {
+      cairo_move_to(cairo, kMargin, kMargin + y);
+      pango_cairo_show_layout(cairo, layout.get());
+    };
+    const double below = top + scale * page.size.height + kGap;
+    show(heading, 0), show(question, below), show(caption, below + middle);
+    cairo_translate(cairo, (kA4Width - scale * page.size.width) / 2, kMargin + top);
+    return scale;
   }
 
   /// True if the file of the font has ink and width for a letter, of a sensible size.
@@ -287,6 +326,8 @@ class PangoEngine : public TextEngine {
   FontConfig config_;
   FontMap map_;
   TextContext context_;
+  std::vector<std::byte> bytes_;  // of the document, which writes to them until its end
+  Surface document_;
 };
 
 }  // namespace

@@ -26,6 +26,8 @@ struct PdfPage {
   std::vector<std::uint8_t> rgba;  ///< 8-bit sRGB with straight alpha; top row first
   std::string title;
   const AnnotationLayer* layer = nullptr;
+  PageTexts texts = {};  ///< cut off where they are too long; without a heading the page is the picture
+  bool is_last = true;
 };
 
 /// Text shaped by Pango and drawn by Cairo: any script, in both directions, without hinting, so that all
@@ -39,7 +41,8 @@ class TextEngine {
   [[nodiscard]] virtual bool lacks_glyphs(std::string_view text) = 0;
   /// Coverage of one text. `error`: set if its glyphs are too large to draw.
   [[nodiscard]] virtual TextCoverage draw(const PlacedText& text, std::string& error) = 0;
-  /// A PDF document. `error`: set if it cannot be made.
+  /// Adds a page to a PDF document. The document's bytes with its last page; nothing before. `error`: set if
+  /// it cannot be made. Memory: four bytes a pixel, and the compressed document.
   [[nodiscard]] virtual std::vector<std::byte> encode_pdf(const PdfPage& page, std::string& error) = 0;
 };
 

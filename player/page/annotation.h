@@ -64,7 +64,7 @@ struct PlacedText {
   std::string text;
   double x = 0, y = 0, width = 0, size = 0;  ///< pixels; `size` per em
   FontStyle style = FontStyle::kRegular;
-  Rgb color;
+  Rgb color = {};
 
   [[nodiscard]] PageBox box() const { return {x, y - kAscent * size, x + width, y + kDescent * size}; }
 };
@@ -92,6 +92,11 @@ struct PlacedBox {
 
 /// Opacity of casings and of the plates behind texts that cover structures.
 inline constexpr double kCasingOpacity = 0.7, kPlateOpacity = 0.85;
+
+/// Texts beside a picture on a page of A4. All but the heading may have several lines.
+struct PageTexts {
+  std::string heading, question, caption;
+};
 
 /// Everything to draw over a picture, in this order: boxes, lines, dots, texts.
 struct AnnotationLayer {

@@ -20,6 +20,14 @@ namespace {
 /// Browsers take a minute to lay out a line of some hundred thousand letters.
 constexpr std::size_t kMaxTextBytes = 4000;
 
+/// Two scenes of usual length fit on a printed page.
+constexpr std::string_view kHandoutStyle =
+    "body { max-width: 60rem; margin: auto; padding: 1rem; font: 1rem/1.4 sans-serif; }"
+    "section { break-inside: avoid; overflow-wrap: anywhere; } img { max-width: 100%; max-height: 90vh; }"
+    "h1 { font-size: 1.6rem; } h2, em, p { display: block; margin: 0.5rem 0; white-space: pre-line; } h2 { "
+    "font-size: 1.2rem; }"
+    "@page { margin: 15mm; } @media print { body { padding: 0; } img { max-height: 82mm; } }";
+
 std::string base64(std::span<const std::byte> bytes) {
   std::string text(BASE64_ENCODE_RAW_LENGTH(bytes.size()), '\0');
   base64_encode_raw(text.data(), bytes.size(), reinterpret_cast<const std::uint8_t*>(bytes.data()));
@@ -127,6 +135,26 @@ std::string encode_catalogue(std::span<const CatalogueEntry> entries) {
        {"style", std::string(style)},
        {"list", list}}};
   return fill(catalogue_template(), values);
+}
+
+std::string encode_handout(const std::string& title, std::span<const HandoutEntry> entries) {
+  const auto text = [](std::string_view any) { return escaped_markup(shortened(any, kMaxTextBytes)); };
+  const auto paragraph = [&](std::string_view element, const std::string& any) {
+    return any.empty() ? "" : fmt::format("<{0} dir=\"auto\">{1}</{0}>\n", element, text(any));
+  };
+  const std::string name = title.empty() ? "Lesson" : title;
+  std::string page = fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<meta "
+      "http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src {}; img-src 'self'; "
+      "base-uri 'none'; form-action 'none'\">\n<meta name=\"viewport\" content=\"width=device-width\">\n"
+      "<title>{}</title>\n<style>{}</style>\n{}",
+      hash_source(kHandoutStyle), text(name), kHandoutStyle, paragraph("h1", name));
+  for (const HandoutEntry& entry : entries) {
+    page += fmt::format("<section>\n{}<img src=\"{}\" alt=\"{}\">\n{}{}</section>\n",
+                        paragraph("h2", entry.texts.heading), entry.picture, text(entry.texts.heading),
+                        paragraph("em", entry.texts.question), paragraph("p", entry.texts.caption));
+  }
+  return page + "</html>\n";
 }
 
 std::string percent_encoded(std::string_view name) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "format/result.h"
+#include "player/page/annotation.h"
 
 namespace splatlas {
 
@@ -36,6 +37,15 @@ struct CatalogueEntry {
 
 /// A page with a picture and a link for each atlas.
 [[nodiscard]] std::string encode_catalogue(std::span<const CatalogueEntry> entries);
+
+/// A scene in a handout: any texts, and the file of its picture beside the page.
+struct HandoutEntry {
+  PageTexts texts;
+  std::string picture;
+};
+
+/// A page with the scenes of a lesson, to read and to print. Its policy allows its style and pictures alone.
+[[nodiscard]] std::string encode_handout(const std::string& title, std::span<const HandoutEntry> entries);
 
 /// A file name as a relative URL (RFC 3986).
 [[nodiscard]] std::string percent_encoded(std::string_view name);

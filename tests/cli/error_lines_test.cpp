@@ -118,7 +118,7 @@ TEST_F(ErrorLines, OfThePlayersCommands) {
 TEST_F(ErrorLines, OfRender) {
   std::vector<Case> cases{
       {{"render"}, 2, "ATLAS is required"},
-      {{"render", "a.atlas"}, 2, "--output is required"},
+      {{"render", "a.atlas"}, 2, "--output or --scenes is required"},
       {{"render", "", "-o", "x.png"}, 2, "ATLAS: \"\"", "must name a file"},
       {{"render", "missing.atlas", "-o", "x.png"}, 1, "missing.atlas: "},
       {{"render", "cut.atlas", "-o", "x.png"}, 3, "cut.atlas: ", "3000"},
