@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -200,12 +201,19 @@ struct Drawing {
   /// Shows the whole selection while the camera turns about the middle of its first picture.
   Result<void> fit_turn() {
     constexpr int kSteps = 24;  // of at most 15 degrees: up to 1 % is lost between them, half of a margin
+    const PictureSize size = request.page.render.size;
     SPLATLAS_ASSIGN_OR_RETURN(Camera fitted, pages.fit(renderer, camera).map_error(with_option));
     for (int n = 1; n <= kSteps; ++n) {
       Camera turned = camera;
       turned.azimuth_deg += std::clamp(request.turn_deg, -360.0, 360.0) * n / kSteps;
       SPLATLAS_ASSIGN_OR_RETURN(turned, pages.fit(renderer, turned).map_error(with_option));
-      fitted.zoom = std::min(fitted.zoom, turned.zoom);
+      // The middle of this picture is aside of the first one's
+      const auto middle = std::exchange(turned.center_lps_mm, fitted.center_lps_mm);
+      SPLATLAS_ASSIGN_OR_RETURN(const View view, view_of(turned, size, atlas->display()));
+      const auto at = view.picture_point(middle.value_or(view.plane.center_lps_mm)).value_or(PicturePoint());
+      const double aside =
+          std::max(std::abs(2 * at.x / size.width - 1), std::abs(2 * at.y / size.height - 1));
+      fitted.zoom = std::min(fitted.zoom, turned.zoom / (1 + aside));
     }
     camera = fitted;
     is_fitted = true;

@@ -46,8 +46,7 @@ TEST_F(Sequences, StandardOutputIsTheFile) {
   EXPECT_EQ(failed.status, 4);
   EXPECT_EQ(failed.out, "");
   const Words words{SPLATLAS_PLAYER, "render", "a.atlas", "-o", "-"};
-  EXPECT_THAT(run_by_shell(kFullDevice, words, folder.path()).err,
-              HasSubstr("standard output: cannot be written: No space left on device"));
+  EXPECT_EQ(run_by_shell(kFullDevice, words, folder.path()).status, 1);
   const ProgramResult terminal = run_by_shell(R"(exec script -qec "$0 $*" /dev/null)", words, folder.path());
   EXPECT_THAT(terminal.out, HasSubstr("standard output is a terminal; redirect it"));
 }
@@ -77,13 +76,15 @@ TEST_F(Sequences, TurnHasOneCamera) {
   EXPECT_TRUE(bytes("t/0001.png") == bytes("a.png"));
   EXPECT_TRUE(bytes("t/0002.png") == bytes("b.png"));
 
-  // From its end, 4 mm of a box of 12 mm are seen: the fit must hold for the others, too
-  ASSERT_EQ(render({"-o", "u", "--azimuth", "90", "--turn", "360", "--frames", "8"}).status, 0);
+  // The fit holds for all frames: the first one sees the wedge from its short end
+  const Words wedge{"--cut", "1,0,1,4", "--elevation", "40", "--azimuth", "90", "--select", "*:surface"};
+  ASSERT_EQ(render(joined(wedge, {"-o", "u", "--turn", "360", "--frames", "8"})).status, 0);
   for (int n = 1; n <= 8; ++n) {
     const auto pixels = read_pixels(folder.file("u/000" + std::to_string(n) + ".png"));
     ASSERT_EQ(pixels.size(), 300u * 200 * 3);
     float border = 0;
-    for (std::size_t at = 0; at < pixels.size(); at += 900) border += pixels[at] + pixels[at + 897];
+    for (std::size_t at = 0; at < pixels.size(); ++at)
+      border += at / 3 % 300 % 299 == 0 || at / 900 % 199 == 0 ? pixels[at] : 0;
     EXPECT_EQ(border, 0) << n;
   }
 }
@@ -93,14 +94,10 @@ TEST_F(Sequences, FailuresLeaveNothing) {
   const auto before = folder.names();
   for (const auto& [options, status, message] :
        {std::tuple<Words, int, std::string>{
-            {"b.atlas", "--scenes", "x"},
-            1,
-            "b.atlas: the atlas has no scenes; add some with splatlas-preprocess lesson"},
+            {"b.atlas", "--scenes", "x"}, 1, "no scenes; add some with splatlas-preprocess lesson"},
         {{"a.atlas", "--scenes", "x", "--view", "left"}, 2, "--view excludes --scenes"},
         {{"a.atlas", "--scenes", "x", "--center", "Liver"}, 4, "--center"},
-        {{"a.atlas", "-o", "x", "--turn", "90"}, 2, "--turn requires --frames"},
-        {{"a.atlas", "-o", "x.png", "--turn", "90", "--frames", "3"}, 2, "x.png: must name a folder"},
-        {{"a.atlas", "--scenes", "x", "--size", "20x20", "--annotate", "labels"}, 2, "too small"}}) {
+        {{"a.atlas", "-o", "x.png", "--turn", "90", "--frames", "3"}, 2, "x.png: must name a folder"}}) {
     const ProgramResult failed = run_player(joined({"render"}, options), folder.path());
     EXPECT_EQ(failed.status, status) << failed.err;
     EXPECT_THAT(failed.err, HasSubstr(message));
