@@ -5,6 +5,7 @@
 #include <iterator>
 #include <numeric>
 #include <string>
+#include <unordered_map>
 
 #include <fmt/format.h>
 
