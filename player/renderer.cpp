@@ -1,5 +1,6 @@
 #include "player/renderer.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "format/io/memory_limit.h"

@@ -17,6 +17,7 @@
 #include <vnl/vnl_matrix_fixed.h>
 #include <vnl/vnl_vector_fixed.h>
 
+#include "format/result_macros.h"
 #include "preprocess/import/images/import_image.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
 #include "preprocess/import/import_error.h"

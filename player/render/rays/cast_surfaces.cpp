@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "format/result_macros.h"
 #include "format/tasks/task_control.h"
 #include "player/render/rays/pixel_rays.h"
 #include "player/render/rays/ray_shares.h"

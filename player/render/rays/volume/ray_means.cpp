@@ -1,4 +1,5 @@
 // Means of the voxels of a ray volume, for drafts.
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <optional>

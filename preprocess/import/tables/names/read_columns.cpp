@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "format/result_macros.h"
 #include "preprocess/import/tables/names/dialects.h"
 #include "preprocess/import/tables/table_entries.h"
 #include "preprocess/import/tables/text_file.h"
