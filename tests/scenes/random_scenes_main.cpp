@@ -76,7 +76,7 @@ int check_id_scenes(std::uint32_t seed, std::uint32_t first, std::uint32_t scene
   fmt::print("{} scenes: {} failed. {} pixels with a structure, {} of them with two similar shares.\n",
              scenes, failed, pixels, mixed);
   constexpr std::uint32_t kSeries = 200;  // shorter series may have few mixed pixels by chance
-  return failed == 0 && (scenes < kSeries || mixed > std::size_t{9} * scenes) ? 0 : 1;
+  return failed == 0 && (scenes < kSeries || mixed > std::size_t{7} * scenes) ? 0 : 1;
 }
 
 /// Number of scenes with a property.
