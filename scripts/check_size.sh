@@ -17,7 +17,7 @@ check() {
 }
 
 readonly sources='\.cpp|\.h|\.fbs|\.js|\.html|\.css|\.sh|\.py|\.cmake|CMakeLists\.txt|Snakefile'
-check product 62780 "$sources" format preprocess player schemas
+check product 62771 "$sources" format preprocess player schemas
 check tests 46000 "$sources" tests
 check bench 5500 "$sources" bench
 check build 1825 "$sources" CMakeLists.txt cmake scripts .ci docs examples

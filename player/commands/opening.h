@@ -1,4 +1,4 @@
-// What a page shows first.
+// Opening picture of a page.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace splatlas {
 
-/// What the user wants to see first.
+/// Command-line options of the opening picture.
 struct OpeningRequest {
   std::string select;  ///< empty: of the first scene, or everything
   std::string scene;   ///< name; empty: none

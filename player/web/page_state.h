@@ -1,4 +1,4 @@
-// What a page asks an engine to draw, as JSON.
+// State of a page to draw, as JSON.
 #pragma once
 
 #include <optional>

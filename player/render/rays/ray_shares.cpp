@@ -10,7 +10,7 @@ namespace {
 
 constexpr float kOpaque = 1e-6f;  // rounding error of a transmittance
 
-/// Where a step of constant extinction reaches an opacity of one half, given the opacities at its ends.
+/// Position of opacity one half in a step of constant extinction, given the opacities at its ends.
 float half_of(float from, float to, float before, float behind) {
   const float share = std::log(2 * (1 - before)) / std::log((1 - before) / std::max(1 - behind, kOpaque));
   return from + share * (to - from);

@@ -105,7 +105,7 @@ class Engine {
     const {url, served} = document.getElementById('atlas').dataset;
     await (served === undefined ? this.#load(url) : this.#connect());
     this.#source = URL.createObjectURL(new Blob([block('worker')], {type: 'text/javascript'}));
-    const count = navigator.hardwareConcurrency === 1 && !this.isNative() ? 1 : 2;
+    const count = navigator.hardwareConcurrency === 1 && this.#server === null ? 1 : 2;
     for (let n = 0; n < count; ++n) this.#workers.push(this.#begin(n));
   }
 
@@ -137,11 +137,6 @@ class Engine {
     } else {
       this.#atlas = takeBytes('atlas');
     }
-  }
-
-  /** Whether the program that serves the page draws. */
-  isNative() {
-    return this.#server !== null;
   }
 
   /** Whether the finished picture of the latest state has come. */

@@ -12,7 +12,7 @@
 
 namespace splatlas {
 
-/// What a request tells of its sender.
+/// Credentials of a request.
 struct Knock {
   std::string_view host;    ///< header Host
   std::string_view origin;  ///< header Origin; empty: none

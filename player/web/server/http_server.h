@@ -41,7 +41,7 @@ struct HttpAnswer {
   std::function<bool()> beat = {};
 };
 
-/// What a server does. Both functions are called on any thread.
+/// Callbacks of a server, on any thread.
 struct HttpHandler {
   /// False: 403, before the body is read.
   std::function<bool(const HttpRequest&)> admits;

@@ -43,7 +43,7 @@ class PageServer {
   [[nodiscard]] std::string address_with_ticket() const;
   /// True once pages were open, and the last one has been closed for ten seconds.
   [[nodiscard]] bool is_left() const;
-  /// What a damaged atlas lacked in the pictures so far: one line; empty: nothing.
+  /// Missing part of a damaged atlas in the pictures so far, as one line; empty: none.
   [[nodiscard]] std::string missing() const;
 
  private:
