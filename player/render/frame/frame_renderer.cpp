@@ -60,6 +60,7 @@ void add_cuts(const ShownFrame& frame, const Grid& grid, FaceLayer& layer, Surfa
   cuts.faces.emplace(*frame.faces, *cuts.of_faces, frame.caps, frame.depth_axis, frame.depth_sign);
   fill_faces(*cuts.faces, scene.size, scene.region, layer, pool);
   scene.faces = &layer;
+  scene.sample_faces = &*cuts.faces;
 }
 
 /// Rasterises the fragments of the scene's region, with the faces of the cut at their samples.
@@ -149,10 +150,7 @@ Result<void> FrameRenderer::run(std::size_t volume_loops, TaskControl& task, Pic
   // Draw what is not drawn by regions
   task.begin_stage(kBegun, kRasterLoops + volume_loops);
   SPLATLAS_RETURN_IF_ERROR(begin_surfaces(picture));
-  if (voxels() == 0 && paints_surfaces()) {
-    if (faces() != nullptr) add_faces(*faces(), picture, pool_);
-    return {};
-  }
+  if (voxels() == 0 && paints_surfaces()) return {};
   SPLATLAS_RETURN_IF_ERROR(begin_volume(picture));
 
   // Draw all regions; one without fragments
@@ -222,16 +220,14 @@ Result<void> FrameRenderer::draw_region(const PixelBox& region, Picture& picture
 }
 
 /// True if no fragments are needed: without a volume, or with one whose rays end at opaque surfaces. Rays
-/// round the transmittance of translucent surfaces in another way. Faces need them for their samples at
-/// edges, which drafts do not have.
+/// round the transmittance of translucent surfaces in another way.
 bool FrameRenderer::paints_surfaces() const {
   const RenderOptions& options = scene_.options;
-  const bool is_draft = options.quality == Quality::kDraft;
-  const bool finds_edges = options.antialiasing && !is_draft;  // of the whole picture
+  const bool finds_edges =
+      options.antialiasing && options.quality != Quality::kDraft;  // of the whole picture
   if (finds_edges && pixels_of(options.size) > scene_.max_memory_bytes / 4 / kBytesToFindEdges) return false;
   const bool alone = voxels() == 0 && (slice_axis() || all_opaque());
-  return (alone || ends_at_surfaces()) && (scene_.faces == nullptr || is_draft) && !options.ids &&
-         !needs_depths();
+  return (alone || ends_at_surfaces()) && !options.ids && !needs_depths();
 }
 
 bool FrameRenderer::ends_at_surfaces() const {

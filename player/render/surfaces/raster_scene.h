@@ -21,6 +21,8 @@
 
 namespace splatlas {
 
+class ViewFaces;
+
 /// A surface with its material.
 struct SurfaceDraw {
   const SurfaceMesh* mesh = nullptr;
@@ -40,11 +42,12 @@ struct RasterScene {
   PixelBox region;  ///< pixels to draw, within the picture
   Projection projection;
   const Lighting& lighting;
-  std::size_t depth_axis = 2;        ///< axis of the grid: depth_axis() of the view
-  double depth_sign = 1;             ///< depth is depth_sign * index along depth_axis
-  float pixel_voxels = 1;            ///< width of a pixel in voxels of depth_axis
-  const CutRays* cuts = nullptr;     ///< clips surfaces; null: no cut
-  const FaceLayer* faces = nullptr;  ///< of the pixel centres; null: none
+  std::size_t depth_axis = 2;               ///< axis of the grid: depth_axis() of the view
+  double depth_sign = 1;                    ///< depth is depth_sign * index along depth_axis
+  float pixel_voxels = 1;                   ///< width of a pixel in voxels of depth_axis
+  const CutRays* cuts = nullptr;            ///< clips surfaces; null: no cut
+  const FaceLayer* faces = nullptr;         ///< of the pixel centres; null: none
+  const ViewFaces* sample_faces = nullptr;  ///< of all other samples; with `faces`
 };
 /// The scene of a whole parallel view; arguments must outlive it.
 [[nodiscard]] inline RasterScene raster_scene(std::span<const SurfaceDraw> surfaces, const ParallelView& view,

@@ -41,8 +41,8 @@ class Rasterizer {
   /// linear in vertices, triangles and visible fragments; those at edges count once per sample.
   [[nodiscard]] Result<std::uint64_t> draw(const RasterScene& scene, const RasterOptions& options,
                                            FragmentList& out, ThreadPool& pool);
-  /// Draws surfaces in the whole picture, without faces of cuts, and without a volume between them:
-  /// composites the fragments of each sample, and replaces the picture by the means of the samples. `depths`:
+  /// Draws surfaces in the whole picture, without a volume between them: composites the fragments and faces
+  /// of each sample, and replaces the picture by the means of the samples. `depths`:
   /// also makes the depth of each pixel, infinite without surfaces, if all surfaces are opaque; null: not
   /// asked for. The same errors, but the limit is that of what a tile holds at once.
   [[nodiscard]] Result<std::uint64_t> paint(const RasterScene& scene, const RasterOptions& options,

@@ -50,6 +50,7 @@ void TileLayers::pass_face(std::uint32_t slot, const Face& face) {
   float& transmittance = transmittances_[slot];
   if (!options_.seen.empty() && face.shows() && is_clear(slot))
     seen(slot).add(kFaceSide | face.structure, transmittance, {face.depth, face.rgba, face.structure});
+  for (std::size_t c = 0; c < 4; ++c) radiances_[slot].rgba[c] += transmittance * face.rgba[c];
   transmittance *= 1 - face.rgba[3];
 }
 

@@ -65,6 +65,10 @@ class TileLayers {
   /// outlive it.
   void begin(const RasterScene& scene, const PixelBox& tile, std::size_t slots, const TileOptions& options);
 
+  /// True for a tile of pixel centres whose faces are layers. Else they are composited with the pixels.
+  [[nodiscard]] bool has_faces() const {
+    return scene_->faces != nullptr && (options_.keeps_fragments || !options_.seen.empty());
+  }
   /// A face of a cut in front of a slot, or behind everything in it.
   void pass_face(std::uint32_t slot, const Face& face);
   /// Adds a crossing, for the caller to fill in.

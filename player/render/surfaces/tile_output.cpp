@@ -11,15 +11,14 @@ void TileRasterizer::pass_all_layers() {
     if (has_nearest(slot) && layers_.is_clear(slot)) layers_.add() = nearest_[slot];
   }
   static_cast<void>(layers_.pass(kNothingHidden));
+  for (std::uint32_t slot = 0; slot < faces_.size(); ++slot) layers_.pass_face(slot, faces_[slot].back);
+  if (!slot_of_pixel_.empty() || !layers_.has_faces()) return;
+  for_each_pixel(
+      [&](std::size_t pixel, std::uint32_t slot) { layers_.pass_face(slot, scene_->faces->at(pixel).back); });
 }
 
 void TileRasterizer::finish(TileFragments& out) {
   pass_all_layers();
-  if (slot_of_pixel_.empty() && scene_->faces != nullptr && !seen_.empty()) {
-    for_each_pixel([&](std::size_t pixel, std::uint32_t slot) {
-      layers_.pass_face(slot, scene_->faces->at(pixel).back);
-    });
-  }
   // Counting sort by slot
   out.end_of_slot.assign(hiding_.size(), 0);
   for (const SlotFragment& of : layers_.fragments()) ++out.end_of_slot[of.slot];
@@ -30,10 +29,20 @@ void TileRasterizer::finish(TileFragments& out) {
 }
 
 void TileRasterizer::paint(std::vector<float>& rgba, std::vector<float>* depths) {
-  if (!layers_.any() && slot_of_pixel_.empty()) {
+  const bool is_centers = slot_of_pixel_.empty();
+  if (is_centers && !layers_.any() && !layers_.has_faces()) {
     for (std::int32_t y = tile_.y_first; y <= tile_.y_last; ++y) paint_opaque_row(y, rgba, depths);
-    return;
+  } else {
+    paint_layers(rgba);
   }
+  if (!is_centers || scene_->faces == nullptr || layers_.has_faces()) return;
+  for (std::int32_t y = tile_.y_first; y <= tile_.y_last; ++y)
+    scene_->faces->add_to_row(
+        static_cast<std::size_t>(y), tile_.x_first, tile_.x_last + 1,
+        &rgba[4 * static_cast<std::size_t>(y) * static_cast<std::size_t>(scene_->size.width)]);
+}
+
+void TileRasterizer::paint_layers(std::vector<float>& rgba) {
   pass_all_layers();
   const auto slots = static_cast<std::uint32_t>(pattern_.size());
   const float share = 1 / static_cast<float>(slots);

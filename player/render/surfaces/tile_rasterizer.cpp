@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "player/render/clip/cut_faces.h"
+
 namespace splatlas {
 namespace {
 
@@ -18,6 +20,7 @@ void TileRasterizer::begin(const RasterScene& scene, const PixelBox& tile, const
   tile_ = tile;
   slot_of_pixel_.clear();
   pixel_hiding_.clear();
+  faces_.clear();
   pattern_ = kCentre;
   seen_ = options.seen;
   clear(std::size_t{kStride} * kStride, options);
@@ -35,7 +38,7 @@ void TileRasterizer::begin(const RasterScene& scene, const PixelBox& tile, const
   // Nothing is seen behind opaque faces
   for_each_pixel([&](std::size_t pixel, std::uint32_t slot) {
     if (scene.faces->hides(pixel)) hiding_[slot] = -kNothingHidden;
-    if (options.keeps_fragments) layers_.pass_face(slot, scene.faces->at(pixel).front);
+    if (layers_.has_faces()) layers_.pass_face(slot, scene.faces->front[pixel]);
   });
   for (std::uint32_t block = 0; block < block_hiding_.size(); ++block) renew_block(block);
 }
@@ -63,7 +66,24 @@ void TileRasterizer::begin_edges(const RasterScene& scene, const PixelBox& tile,
     }
   }
   clear(slots, options);
+  faces_.clear();
+  if (scene.sample_faces != nullptr && !options.keeps_fragments) pass_sample_faces();
   for (std::uint32_t block = 0; block < block_hiding_.size(); ++block) renew_block(block);
+}
+
+/// Faces of the samples of edges. Nothing is seen behind opaque ones.
+void TileRasterizer::pass_sample_faces() {
+  const auto slots = static_cast<std::uint32_t>(pattern_.size());
+  const auto columns = static_cast<std::size_t>(scene_->size.width);
+  for_each_pixel([&](std::size_t pixel, std::uint32_t first_slot) {
+    for (std::uint32_t n = 0; n < slots; ++n) {
+      const double x = static_cast<double>(pixel % columns) + pattern_[n].right();
+      const double y = static_cast<double>(pixel / columns) + pattern_[n].down();
+      const RayFaces& faces = faces_.emplace_back(scene_->sample_faces->through(x, y));
+      if (faces.front.rgba[3] >= 1) hiding_[first_slot + n] = -kNothingHidden;
+      layers_.pass_face(first_slot + n, faces.front);
+    }
+  });
 }
 
 void TileRasterizer::clear(std::size_t slots, const TileOptions& options) {

@@ -34,11 +34,11 @@ class TileRasterizer {
   static constexpr std::uint32_t kStride = TileLayers::kStride;
 
   /// Begins a tile with one slot per pixel, at its centre. Faces of the scene dim the fragments that are
-  /// kept.
+  /// kept, or are painted with them.
   void begin(const RasterScene& scene, const PixelBox& tile, const TileOptions& options);
   /// Begins a tile with one slot per point of `pattern` in every pixel whose `wanted` flag is not 0, row by
   /// row. `wanted` has a flag for every pixel of the scene's region. `pattern` must outlive the tile.
-  /// `options`: without summaries.
+  /// `options`: without summaries. Faces are painted.
   void begin_edges(const RasterScene& scene, const PixelBox& tile, std::span<const std::uint8_t> wanted,
                    std::span<const SubPixel> pattern, const TileOptions& options);
   /// Rasterises the next cluster of the tile: opaque surfaces come first, and then near ones.
@@ -75,6 +75,7 @@ class TileRasterizer {
   };
 
   void clear(std::size_t slots, const TileOptions& options);
+  void pass_sample_faces();
   [[nodiscard]] bool is_hidden(const TileCluster& of) const;
   void draw(const SurfaceClusters::Triangle& triangle, Current& current);
   void draw_parts(Current& current);
@@ -96,9 +97,10 @@ class TileRasterizer {
   void renew_block(std::uint32_t block);
   /// Composites the layers that no crossing at `depth` or behind it can precede.
   void pass_layers(float depth);
-  /// Composites all layers, opaque surfaces included.
+  /// Composites all layers, opaque surfaces and the faces behind them included.
   void pass_all_layers();
-  /// paint() of a row of pixel centres without translucent crossings.
+  /// paint() of the layers, and of a row of pixel centres without translucent crossings.
+  void paint_layers(std::vector<float>& rgba);
   void paint_opaque_row(std::int32_t y, std::vector<float>& rgba, std::vector<float>* depths) const;
   /// Calls visit(pixel of the picture, first slot) for the pixels of the tile that have slots, row by row.
   template <typename Visit>
@@ -116,6 +118,7 @@ class TileRasterizer {
   ScreenCluster cluster_;
   std::vector<ClippedTriangle> parts_;
   std::vector<std::uint32_t> pixel_of_slot_;  // by slot over the size of the pattern
+  std::vector<RayFaces> faces_;               // of the samples of edges, by slot; empty without faces
   std::span<SurfacesSeen> seen_;
   TileLayers layers_;
 };
