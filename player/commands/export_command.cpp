@@ -23,7 +23,6 @@
 #include "format/text/ascii_text.h"
 #include "format/text/json_text.h"
 #include "player/camera_moves.h"
-#include "player/commands/framing.h"
 #include "player/renderer.h"
 #include "player/web/html_page.h"
 

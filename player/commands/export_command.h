@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "format/result.h"
-#include "player/commands/opening.h"
+#include "player/commands/framing.h"
 
 namespace CLI {
 class App;

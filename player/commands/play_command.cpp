@@ -14,7 +14,6 @@
 #include "format/program/command_options.h"
 #include "format/program/standard_output.h"
 #include "format/result_macros.h"
-#include "player/commands/opening.h"
 #include "player/web/html_page.h"
 #include "player/web/server/page_server.h"
 
