@@ -1,5 +1,3 @@
-#include "player/commands/export_command.h"
-
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -23,6 +21,7 @@
 #include "format/text/ascii_text.h"
 #include "format/text/json_text.h"
 #include "player/camera_moves.h"
+#include "player/commands/commands.h"
 #include "player/renderer.h"
 #include "player/web/html_page.h"
 

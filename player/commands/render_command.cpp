@@ -1,5 +1,3 @@
-#include "player/commands/render_command.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +11,7 @@
 #include "format/program/command_options.h"
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
+#include "player/commands/commands.h"
 #include "player/files/picture_encoder.h"
 
 namespace splatlas {
