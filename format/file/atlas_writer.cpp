@@ -22,7 +22,7 @@
 #include "format/io/output_file.h"
 #include "format/result_macros.h"
 #include "format/tasks/free_memory.h"
-#include "format/tasks/parallel.h"
+#include "format/tasks/thread_pool.h"
 
 namespace splatlas {
 

@@ -7,7 +7,7 @@
 
 #include "format/result_macros.h"
 #include "format/tasks/free_memory.h"
-#include "format/tasks/parallel.h"
+#include "format/tasks/thread_pool.h"
 
 namespace splatlas {
 namespace {
