@@ -1,6 +1,4 @@
-
 #include "format/file/directory.h"
-#include "format/file/directory_text.h"
 #include "format/file/file_layout.h"
 #include "format/file/schema_arrays.h"
 #include "schemas/atlas_generated.h"
