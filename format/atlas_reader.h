@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "format/content/atlas_content.h"
-#include "format/content/block_means.h"
 #include "format/content/decision_tree.h"
 #include "format/content/run_model.h"
 #include "format/result.h"
@@ -90,7 +89,7 @@ class Atlas {
   /// voxels(c) * bytes_of(value_type()) bytes.
   [[nodiscard]] Result<std::vector<std::byte>> read_values(ClassId c) const;
   /// The means of the grey values of a class, and of all classes in the same structures, in blocks of voxels
-  /// (format/content/block_means.h): stored ones, else those of the values.
+  /// (format/content/run_model.h): stored ones, else those of the values.
   /// Without values in the atlas, only blocks and voxels.
   [[nodiscard]] Result<BlockMeans> read_means(ClassId c) const;
   /// True if these means are stored, so that they are read without the values. `c` must be a class.

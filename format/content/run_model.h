@@ -1,6 +1,7 @@
-// Run-length encoding of the class volume, one model per principal axis.
+// Run-length encoding of the class volume, one model per principal axis, and means in blocks of its voxels.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -70,5 +71,16 @@ struct RunModel {
 /// axes share scanlines (y and z), else in the voxels covered and the side lengths of their bounding box.
 /// Memory: linear in the runs.
 [[nodiscard]] ClassRuns convert_runs(std::span<const Run> runs, const Index3& size, Axis from, Axis to);
+
+/// Blocks have 2^kMeanLevel voxels along each axis. Block (i, j, k) begins at voxel (4i, 4j, 4k); the grid of
+/// blocks is coarse_grid(grid, kMeanLevel).
+inline constexpr int kMeanLevel = 2;
+
+/// The blocks with voxels of some classes, in memory order of the grid of blocks.
+struct BlockMeans {
+  ClassRuns runs;                    ///< of blocks, principal axis z
+  std::vector<std::uint8_t> voxels;  ///< [block]: voxels of the classes, 1 to 64
+  std::vector<std::byte> values;     ///< [block]: means, of the atlas's value type
+};
 
 }  // namespace splatlas
