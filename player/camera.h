@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "format/content/atlas_content.h"
-#include "format/content/frame_center.h"
+#include "format/content/cut_planes.h"
 #include "format/content/grid.h"
 #include "format/result.h"
 

@@ -7,7 +7,6 @@
 
 #include "format/atlas_reader.h"
 #include "format/content/cut_planes.h"
-#include "format/content/frame_center.h"
 #include "format/content/selection.h"
 #include "player/camera.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "format/atlas_reader.h"
-#include "format/content/frame_center.h"
+#include "format/content/cut_planes.h"
 #include "player/camera.h"
 #include "player/camera_moves.h"
 
