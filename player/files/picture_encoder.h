@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "format/result.h"
+#include "player/files/load_module.h"
 #include "player/files/picture_module.h"
-#include "player/files/text_drawer.h"
 #include "player/page/annotation.h"
 #include "player/picture.h"
 
