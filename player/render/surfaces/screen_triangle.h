@@ -14,7 +14,6 @@
 
 #include "format/content/surface.h"
 #include "player/render/view/pixel_box.h"
-#include "player/render/view/sample_pattern.h"
 #include "player/render/view/view_frame.h"
 
 namespace splatlas {
