@@ -1,5 +1,3 @@
-#include "preprocess/import/images/read_mgh.h"
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -9,6 +7,7 @@
 #include "format/result_macros.h"
 #include "preprocess/import/images/nifti/nifti_header.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
+#include "preprocess/import/images/pixels/image_readers.h"
 #include "preprocess/import/images/pixels/read_deflated.h"
 #include "preprocess/import/import_error.h"
 
@@ -81,7 +80,7 @@ Result<Grid> mgh_grid(std::span<const std::byte> header, const Index3& size, con
 
 }  // namespace
 
-Result<SourceImage> read_mgh(const fs::path& path) {
+Result<SourceImage> read_mgh(const fs::path& path, const ImageOptions& /*options*/) {
   SPLATLAS_ASSIGN_OR_RETURN(GzipFile file, GzipFile::open(path));
   std::vector<std::byte> header(kHeaderBytes);
   SPLATLAS_ASSIGN_OR_RETURN(const std::size_t found, file.read_some(header));

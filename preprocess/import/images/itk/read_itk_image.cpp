@@ -1,5 +1,3 @@
-#include "preprocess/import/images/itk/read_itk_image.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -12,6 +10,7 @@
 #include "format/result_macros.h"
 #include "preprocess/import/images/itk/itk_call.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
+#include "preprocess/import/images/pixels/image_readers.h"
 #include "preprocess/import/images/pixels/read_deflated.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/text_file.h"
@@ -156,7 +155,7 @@ std::vector<SourceSegment> segments_of_nrrd(const std::map<std::string, std::str
 
 }  // namespace
 
-Result<SourceImage> read_nrrd(const fs::path& path) {
+Result<SourceImage> read_nrrd(const fs::path& path, const ImageOptions& /*options*/) {
   return call_itk(path.string(), [&]() -> Result<SourceImage> {
     SPLATLAS_ASSIGN_OR_RETURN(const PixelData pixels, check_nrrd_file(path));
     SPLATLAS_ASSIGN_OR_RETURN(SourceImage image, read_with(*itk::NrrdImageIO::New(), path, pixels));
@@ -177,7 +176,7 @@ Result<SourceImage> read_nrrd(const fs::path& path) {
   });
 }
 
-Result<SourceImage> read_meta_image(const fs::path& path) {
+Result<SourceImage> read_meta_image(const fs::path& path, const ImageOptions& /*options*/) {
   return call_itk(path.string(), [&]() -> Result<SourceImage> {
     SPLATLAS_ASSIGN_OR_RETURN(const PixelData pixels, check_meta_image_file(path));
     return read_with(*itk::MetaImageIO::New(), path, pixels);

@@ -1,5 +1,3 @@
-#include "preprocess/import/images/nifti/read_nifti.h"
-
 #include <array>
 #include <cmath>
 #include <optional>
@@ -12,6 +10,7 @@
 #include "format/text/ascii_text.h"
 #include "preprocess/import/images/nifti/nifti_header.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
+#include "preprocess/import/images/pixels/image_readers.h"
 #include "preprocess/import/images/pixels/read_deflated.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/text_file.h"
@@ -244,7 +243,7 @@ fs::path other_of_pair(const fs::path& path) {
   return files.header == path ? files.voxels : files.header;
 }
 
-Result<SourceImage> read_nifti(const fs::path& path) {
+Result<SourceImage> read_nifti(const fs::path& path, const ImageOptions& /*options*/) {
   return NiftiReader(path).read();
 }
 
