@@ -1,7 +1,6 @@
 #include "preprocess/import/tables/text_file.h"
 
 #include <algorithm>
-#include <charconv>
 #include <fstream>
 #include <system_error>
 
@@ -124,22 +123,17 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
 
 namespace {
 
-template <typename Number>
-std::optional<Number> parse_whole(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  Number value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
+std::string_view without_plus(std::string_view text) {
+  return text.starts_with('+') ? text.substr(1) : text;
 }
 
 }  // namespace
 
 std::optional<std::int64_t> parse_integer(std::string_view text) {
-  return parse_whole<std::int64_t>(text);
+  return parse_number<std::int64_t>(without_plus(text));
 }
 std::optional<double> parse_number(std::string_view text) {
-  return parse_whole<double>(text);
+  return parse_number<double>(without_plus(text));
 }
 
 Result<void> check_structure_name(std::string_view name) {
