@@ -11,7 +11,6 @@
 
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
-#include "preprocess/import/file_hash.h"
 #include "preprocess/import/images/import_image.h"
 #include "preprocess/import/images/pictures/read_pictures.h"
 #include "preprocess/import/import_error.h"
