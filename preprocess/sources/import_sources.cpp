@@ -17,7 +17,7 @@
 #include "preprocess/import/labels/import_labels.h"
 #include "preprocess/import/labels/label_map.h"
 #include "preprocess/import/resample.h"
-#include "preprocess/import/tables/names/read_names.h"
+#include "preprocess/import/tables/names_table.h"
 #include "preprocess/import/tables/read_tree.h"
 #include "preprocess/import/tables/text_file.h"
 
