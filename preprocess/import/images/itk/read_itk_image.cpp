@@ -23,13 +23,13 @@ namespace fs = std::filesystem;
 const NoteKind kNoSpace{"no-space", "NRRD file names no anatomical space and is read as LPS",
                         "NRRD files name no anatomical space and are read as LPS", true};
 
-WideInteger wide_integer_of(itk::IOComponentEnum component) {
+StoredType stored_type(itk::IOComponentEnum component) {
   switch (component) {
     case itk::IOComponentEnum::LONG:
-    case itk::IOComponentEnum::LONGLONG: return WideInteger::kSigned;
+    case itk::IOComponentEnum::LONGLONG: return {VoxelType::kNone, WideInteger::kSigned};
     case itk::IOComponentEnum::ULONG:
-    case itk::IOComponentEnum::ULONGLONG: return WideInteger::kUnsigned;
-    default: return WideInteger::kNone;
+    case itk::IOComponentEnum::ULONGLONG: return {VoxelType::kNone, WideInteger::kUnsigned};
+    default: return {voxel_type_of(component), WideInteger::kNone};
   }
 }
 
@@ -74,12 +74,11 @@ Result<SourceImage> read_with(itk::ImageIOBase& io, const fs::path& path, const 
   SourceImage image;
   image.grid = grid_of(io);
   SPLATLAS_RETURN_IF_ERROR(validate(image.grid, name));
-  const WideInteger wide = wide_integer_of(io.GetComponentType());
-  image.voxels.type = voxel_type_of(io.GetComponentType());
-  if (image.voxels.type == VoxelType::kNone && wide == WideInteger::kNone)
+  const StoredType type = stored_type(io.GetComponentType());
+  if (type == StoredType())
     return bad_pixel_type(path, "type " + itk::ImageIOBase::GetComponentTypeAsString(io.GetComponentType()));
   image.layers = pixels.layers;
-  const std::size_t bytes_each = wide == WideInteger::kNone ? bytes_of(image.voxels.type) : 8;
+  const std::size_t bytes_each = type.bytes();
   const std::uint64_t bytes = static_cast<std::uint64_t>(image.grid.voxels()) * image.layers * bytes_each;
   if (pixels.bytes != bytes)
     return bad_file(path, "has {} bytes of pixels by its header, {} by ITK's reading", pixels.bytes, bytes);
@@ -88,11 +87,7 @@ Result<SourceImage> read_with(itk::ImageIOBase& io, const fs::path& path, const 
   const bool are_mixed =
       pixels.layers_first || (pixels.compression == Compression::kNone && io.GetNumberOfComponents() > 1);
   if (are_mixed && image.layers > 1) read = separate_layers(read, image.layers, bytes_each);
-  if (wide == WideInteger::kNone) {
-    image.voxels.bytes = std::move(read);
-  } else {
-    SPLATLAS_ASSIGN_OR_RETURN(image.voxels, narrow_integers(read, wide, path));
-  }
+  SPLATLAS_ASSIGN_OR_RETURN(image.voxels, voxels_of(std::move(read), type, path));
   return image;
 }
 

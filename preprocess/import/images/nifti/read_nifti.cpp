@@ -91,14 +91,6 @@ FilePair files_of(const fs::path& path) {
   return {beside(".hdr"), path};
 }
 
-/// A stored type: that of an atlas, or integers of 64 bits, which are narrowed.
-struct StoredType {
-  VoxelType type = VoxelType::kNone;
-  WideInteger wide = WideInteger::kNone;
-
-  [[nodiscard]] std::size_t bytes() const { return wide == WideInteger::kNone ? bytes_of(type) : 8; }
-};
-
 Result<StoredType> stored_type(const NiftiHeader& header, const fs::path& path) {
   switch (header.datatype) {
     case 2: return StoredType{VoxelType::kUInt8};
@@ -218,12 +210,8 @@ class NiftiReader {
                               file_.read(static_cast<std::uint64_t>(header_.voxel_offset), voxel_bytes_));
     SPLATLAS_RETURN_IF_ERROR(file_.check_end());
     if (header_.is_swapped) swap_bytes(bytes, type_.bytes());
-    if (type_.wide == WideInteger::kNone) {
-      image_.voxels = {type_.type, std::move(bytes)};
-    } else {
-      SPLATLAS_ASSIGN_OR_RETURN(image_.voxels, narrow_integers(bytes, type_.wide, path_));
-    }
-    image_.voxels = with_scale(std::move(image_.voxels), header_.slope, header_.intercept);
+    SPLATLAS_ASSIGN_OR_RETURN(VoxelBuffer voxels, voxels_of(std::move(bytes), type_, path_));
+    image_.voxels = with_scale(std::move(voxels), header_.slope, header_.intercept);
     return {};
   }
 
