@@ -98,11 +98,8 @@ class MeshClipper {
   [[nodiscard]] double area_of(const Polygon& polygon) const {
     Vec3 sum{0, 0, 0};
     for (std::size_t n = 2; n < polygon.size(); ++n) {
-      Vec3 u, v;
-      for (std::size_t a = 0; a < 3; ++a) {
-        u[a] = polygon[n - 1].index[a] - polygon[0].index[a];
-        v[a] = polygon[n].index[a] - polygon[0].index[a];
-      }
+      const Vec3 u = difference(polygon[n - 1].index, polygon[0].index);
+      const Vec3 v = difference(polygon[n].index, polygon[0].index);
       const Vec3 normal = cross(to_mm_.apply_linear(u), to_mm_.apply_linear(v));
       for (std::size_t a = 0; a < 3; ++a) sum[a] += normal[a];
     }
