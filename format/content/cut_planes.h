@@ -34,8 +34,7 @@ inline constexpr std::array<ViewAngles, 6> kViewAngles{{{"anterior", 0, 0},
 /// Middle of a picture: that of the fit, a point in LPS mm, or a name of the selection language.
 using FrameCenter = std::variant<std::monostate, Vec3, std::string>;
 
-/// Parses X,Y,Z, each at most kMaxMm from 0, or takes the name of a structure. None for other points and for
-/// no text.
+/// Parses X,Y,Z, each at most kMaxMm from 0, or takes the name of a structure. None for other points.
 [[nodiscard]] std::optional<FrameCenter> parse_center(std::string_view text);
 
 /// Plane that removes all points p (LPS mm) with normal_lps * p > offset_mm.

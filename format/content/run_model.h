@@ -37,8 +37,7 @@ struct Run {
   friend auto operator<=>(const Run&, const Run&) = default;
 };
 
-/// All runs of one class in traversal order of one principal axis. Runs are maximal: no two are adjacent in a
-/// scanline.
+/// All runs of one class in traversal order of one principal axis. Runs are maximal: none are adjacent.
 using ClassRuns = std::vector<Run>;
 
 /// Run model of one principal axis: one list of runs per class (WSCG 2004, section 3; see ClassId). The list
@@ -67,9 +66,8 @@ struct RunModel {
 /// Bounding box of the voxels of valid runs (see validate_runs()).
 [[nodiscard]] IndexBox box_of(std::span<const Run> runs, const Index3& size, Axis axis);
 
-/// Converts runs to another principal axis. `runs` must pass validate_runs. Cost: linear in the runs if both
-/// axes share scanlines (y and z), else in the voxels covered and the side lengths of their bounding box.
-/// Memory: linear in the runs.
+/// Converts runs, which must pass validate_runs, to another principal axis. Linear in the runs if both axes
+/// share scanlines (y and z), else in the voxels and the sides of their box. Memory: linear in the runs.
 [[nodiscard]] ClassRuns convert_runs(std::span<const Run> runs, const Index3& size, Axis from, Axis to);
 
 /// Blocks have 2^kMeanLevel voxels along each axis. Block (i, j, k) begins at voxel (4i, 4j, 4k); the grid of

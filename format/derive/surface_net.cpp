@@ -157,8 +157,7 @@ class NetWalker {
     }
   }
 
-  /// Adds the cells whose leading voxel is in word w of a row of voxels. The crop is padded, so that such
-  /// voxels have rows all around.
+  /// Adds the cells whose leading voxel is in word w of a row. In a padded crop, it has rows all around.
   void add_cells_led_from(std::int64_t j, std::int64_t k, std::size_t w) {
     const Word* const edge = rows_.boundary(j, k);
     const Word voxels = edge[w];

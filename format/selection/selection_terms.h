@@ -19,8 +19,7 @@ namespace splatlas {
 void apply_term(const SelectionTerm& term, std::uint32_t number, std::span<const StructureIndex> structures,
                 const StructureGraph& graph, Selection& selection);
 
-/// Numbers of the terms in the order of application: those for the rest first. StructureDraw::term is an
-/// index into it.
+/// Numbers of the terms in the order of application, which StructureDraw::term indexes: for the rest first.
 [[nodiscard]] std::vector<std::size_t> application_order(std::span<const SelectionTerm> terms);
 
 /// The structures of a term's name or label, without descendants. Empty for the rest, and for the name "*" in

@@ -67,17 +67,14 @@ struct RenderReport {
 };
 
 /// Renders a picture and writes it, with statistics, id image and depth map if requested, or a folder of
-/// pictures: all files or none. Renders the intact parts of a damaged atlas. Errors name the file. `control`:
-/// of the picture's rendering.
+/// pictures: all files or none. Renders the intact parts of a damaged atlas. Errors name the file.
 [[nodiscard]] Result<RenderReport> run_render(const RenderRequest& request, const RenderControl& control);
 
-/// Writes the page, or the folder of the site: all of it, or nothing. Refuses damaged atlases. Errors name
-/// the file.
+/// Writes the page, or the folder of the site: all or nothing. Refuses damaged atlases. Errors name the file.
 [[nodiscard]] Result<void> run_export(const ExportRequest& request);
 
 /// Prints the address, and serves until ten seconds after the last page has closed, or until SIGINT, SIGTERM
-/// or SIGHUP. kInvalidAtlas at the end if pictures lacked damaged parts. Call it on the main thread, before
-/// others start.
+/// or SIGHUP. kInvalidAtlas at the end if pictures lacked damaged parts. Call it before threads start.
 [[nodiscard]] Result<void> play(const PlayRequest& request);
 
 }  // namespace splatlas

@@ -138,8 +138,7 @@ CLI::App* add_export(CLI::App& app, ExportRequest& request) {
 
 namespace {
 
-/// The page of an intact atlas, without the atlas itself. Everything opens as surfaces where it takes too
-/// much memory as volumes.
+/// The page of an intact atlas, without the atlas itself. Opens surfaces where volumes take too much memory.
 Result<HtmlPage> draw_page(const ExportRequest& request, const std::shared_ptr<const Atlas>& atlas) {
   SPLATLAS_RETURN_IF_ERROR(atlas->verify());
   SPLATLAS_ASSIGN_OR_RETURN(Opening opening, opening_of(request.opening, *atlas));

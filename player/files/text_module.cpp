@@ -35,8 +35,7 @@ using Description = std::unique_ptr<PangoFontDescription, Destroy<pango_font_des
 constexpr double kA4Width = 595.28, kA4Height = 841.89;  // points
 constexpr const char* kFamilies = "Liberation Sans,DejaVu Sans,sans-serif";
 
-/// Adds the first face of a font file to a configuration. Returns letters that it has; none if it cannot be
-/// read.
+/// Adds the first face of a font file to a configuration. Returns its letters; none if it cannot be read.
 std::vector<std::string> add_font(const std::string& file, FcConfig* config) {
   constexpr std::size_t kLetters = 20;
   const auto* const name = reinterpret_cast<const FcChar8*>(file.c_str());

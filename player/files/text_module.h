@@ -47,8 +47,7 @@ class TextEngine {
   [[nodiscard]] virtual Result<std::vector<std::byte>> encode_pdf(const PdfPage& page) = 0;
 };
 
-/// `font`: the file of a font to prefer to Liberation Sans and DejaVu Sans; empty: none. kFailed without a
-/// usable font.
+/// `font`: a file to prefer to Liberation Sans and DejaVu Sans; empty: none. kFailed without a usable font.
 using OpenedTextEngine = Result<std::unique_ptr<TextEngine>>;
 using OpenTextEngine = void (*)(const std::string& font, OpenedTextEngine& engine);
 

@@ -38,8 +38,7 @@ Corner cut_edge(const Corner& from, const Corner& to, std::size_t axis, double p
   return cut;
 }
 
-/// Splits a convex polygon at a plane. Corners in the plane belong to both parts; a polygon in the plane is
-/// `above`.
+/// Splits a convex polygon at a plane. Corners in the plane belong to both parts; polygons in it are `above`.
 void cut_polygon(const Polygon& polygon, std::size_t axis, double plane, Polygon& below, Polygon& above) {
   below.clear();
   above.clear();
@@ -141,8 +140,7 @@ class MeshClipper {
     split(rest, axis + 1, voxel);
   }
 
-  /// The voxel of a triangle. Quantization may move it into the plane of the next voxel, to which it then
-  /// belongs.
+  /// The voxel of a triangle. Quantization may move it into the plane of the next voxel, its own then.
   [[nodiscard]] std::int64_t voxel_of(const Polygon& triangle, Index3 voxel) const {
     for (std::size_t a = 0; a < 3; ++a) {
       const double plane = static_cast<double>(voxel[a]) + 0.5;

@@ -6,8 +6,7 @@
 namespace splatlas {
 namespace {
 
-/// Limits slightly inside the guard band and the near plane, so that clipped corners satisfy both despite
-/// rounding.
+/// Limits slightly inside guard band and near plane, so that clipped corners satisfy both despite rounding.
 constexpr double kClipExtent = kGuardBand - 2;
 constexpr double kNearest = kNearPlane * (1 + 1e-9);
 

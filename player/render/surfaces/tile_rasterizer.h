@@ -33,8 +33,7 @@ class ScreenCluster {
  public:
   /// Projects the vertices. `cuts`: planes that may remove some; null: none.
   void place(const SurfaceClusters::Cluster& cluster, const RasterScene& scene, const CutRays* cuts);
-  /// The numbers of the triangles whose pixels_of() with this reach meet a box; all if a vertex is off the
-  /// screen.
+  /// The numbers of the triangles whose pixels_of() with this reach meet a box; all if a vertex is outside.
   [[nodiscard]] std::span<const std::uint32_t> triangles_in(const PixelBox& box, std::int32_t reach);
 
   [[nodiscard]] ScreenVertex snapped(std::size_t vertex) const {
@@ -64,8 +63,7 @@ class TileRasterizer {
   /// Slot of a pixel centre in a tile: kStride per row, also in tiles at the border of the picture.
   static constexpr std::uint32_t kStride = TileLayers::kStride;
 
-  /// Begins a tile with one slot per pixel, at its centre. Faces of the scene dim the fragments that are
-  /// kept.
+  /// Begins a tile with one slot per pixel, at its centre. Faces of the scene dim the fragments kept.
   void begin(const RasterScene& scene, const PixelBox& tile, const TileOptions& options);
   /// Begins a tile with one slot per point of `pattern` in every pixel whose `wanted` flag is not 0, row by
   /// row. `wanted` has a flag for every pixel of the scene's region. `pattern` must outlive the tile.

@@ -62,8 +62,7 @@ bool is_dicom_source(const fs::path& path) {
   return !(is_folder(path) && holds_image_files(path)) && is_dicom(path);
 }
 
-/// A folder is a stack if it holds pictures, and no images of other kinds: those may have previews beside
-/// them.
+/// A folder is a stack if it holds pictures, and no other images, which may have previews beside them.
 bool is_picture_stack(const fs::path& path) {
   if (!is_folder(path)) return is_picture(path);
   bool has_pictures = false;

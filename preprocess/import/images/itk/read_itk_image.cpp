@@ -33,8 +33,7 @@ StoredType stored_type(itk::IOComponentEnum component) {
   }
 }
 
-/// The pixels in the order of the file. MetaIO ignores damage in compressed ones, so ITK reads only plain
-/// ones.
+/// The pixels in the order of the file. MetaIO ignores damage in compressed ones: ITK reads only plain ones.
 Result<std::vector<std::byte>> read_pixels(itk::ImageIOBase& io, const PixelData& pixels, std::uint64_t bytes,
                                            std::size_t bytes_each) {
   std::vector<std::byte> result;

@@ -66,8 +66,7 @@ struct NiftiHeader {
 };
 
 /// Parses the first bytes of a file, at most kMaxBytes. kFailed for other files, for numbers of axes beyond
-/// 7, and for CIFTI-2, which holds no volume. Analyze has no magic: a header of its length with a valid
-/// number of axes.
+/// 7, and for CIFTI-2, which holds no volume. Analyze has no magic: a header of its length and valid axes.
 [[nodiscard]] Result<NiftiHeader> parse_nifti_header(std::span<const std::byte> bytes,
                                                      const std::filesystem::path& path);
 

@@ -146,8 +146,7 @@ bool ends_behind_directory(TIFF* tiff, std::uint64_t offset, const fs::path& pat
 }
 
 /// Reads all pages as slices, without spacing and orientation. kFailed for colours, palettes, pages of
-/// several sizes or types, unsupported types, and damage. BigTIFF and every compression of libtiff are read.
-/// Cost: one pass.
+/// several sizes or types, unsupported types, and damage. Reads BigTIFF and every compression of libtiff.
 Result<SourceImage> read_tiff(const fs::path& path) {
   has_fault = false;
   TIFFSetErrorHandler([](const char*, const char*, std::va_list) { has_fault = true; });

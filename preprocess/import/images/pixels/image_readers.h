@@ -31,8 +31,7 @@ namespace splatlas {
 
 /// Reads .mgh, .mgz and .mgh.gz (FreeSurfer wiki, MghFormat): scanner RAS, frames as layers. A warning tells
 /// if the file has no orientation; FreeSurfer's own (1 mm, coronal) is taken then. kFailed for values of
-/// surfaces (N x 1 x 1), axes that are no axes, unsupported types, and truncated or damaged files. Cost: one
-/// pass. Thread-safe.
+/// surfaces (N x 1 x 1), axes that are no axes, unsupported types, and damaged files. One pass. Thread-safe.
 [[nodiscard]] Result<SourceImage> read_mgh(const std::filesystem::path& path,
                                            const ImageOptions& options = {});
 

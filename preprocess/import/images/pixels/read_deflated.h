@@ -48,8 +48,7 @@ struct StoredType {
 class GzipFile {
  public:
   GzipFile() = default;
-  /// kFailed if it cannot be opened, or if its compression contradicts its ending: .gz and .mgz are
-  /// compressed.
+  /// kFailed if it cannot be opened, or if its compression contradicts its ending (.gz, .mgz, or others).
   [[nodiscard]] static Result<GzipFile> open(const std::filesystem::path& path);
 
   [[nodiscard]] bool is_compressed() const { return gzdirect(stream_.get()) == 0; }
