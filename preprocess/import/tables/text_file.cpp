@@ -35,7 +35,7 @@ class LineReader {
 };
 
 /// The file itself, or the regular files of a folder in the order of their paths.
-std::vector<std::filesystem::path> files_of(const std::filesystem::path& path) {
+std::vector<std::filesystem::path> regular_files_of(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_directory(path, error)) return {path};
   std::vector<std::filesystem::path> files;
@@ -117,7 +117,7 @@ Result<std::string> hash_file(const std::filesystem::path& path) {
   if (!state) return fail(ErrorCode::kLimit, path.string() + ": out of memory");
   XXH64_reset(state.get(), 0);
   std::vector<char> block(1 << 18);
-  for (const std::filesystem::path& name : files_of(path)) {
+  for (const std::filesystem::path& name : regular_files_of(path)) {
     std::ifstream file(name, std::ios::binary);
     if (!file) return bad_file(name, "cannot be read");
     while (file) {
