@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "format/content/atlas_content.h"
-#include "format/content/block_means.h"
 #include "format/content/decision_tree.h"
 #include "format/content/run_model.h"
 #include "format/result.h"
@@ -37,8 +36,7 @@ enum class SurfaceChoice : std::uint8_t {
 
 /// Options of Atlas::open().
 struct AtlasOptions {
-  /// Factor of the limit of work (WorkBudget). Raise it for very large files, lower it for untrusted
-  /// ones.
+  /// Factor of the limit of work (WorkBudget): above 1 for very large files, below 1 for untrusted ones.
   double max_work = 1;
   std::uint64_t memory_bytes = 0;  ///< memory that the process may use; 0: the machine's
   SurfaceChoice surfaces = SurfaceChoice::kAsInFile;
@@ -90,7 +88,7 @@ class Atlas {
   /// voxels(c) * bytes_of(value_type()) bytes.
   [[nodiscard]] Result<std::vector<std::byte>> read_values(ClassId c) const;
   /// The means of the grey values of a class, and of all classes in the same structures, in blocks of voxels
-  /// (format/content/block_means.h): stored ones, else those of the values.
+  /// (format/content/run_model.h): stored ones, else those of the values.
   /// Without values in the atlas, only blocks and voxels.
   [[nodiscard]] Result<BlockMeans> read_means(ClassId c) const;
   /// True if these means are stored, so that they are read without the values. `c` must be a class.
@@ -118,13 +116,11 @@ class Atlas {
   /// Reads and checks every byte of the file. Returns the first fault, with its section, or success.
   [[nodiscard]] Result<void> verify() const;
 
-  /// Limit of the functions above. Each counts its own work, unless the thread works on a task that counts
-  /// it.
+  /// Limit of the functions above. Each counts its own work, unless the thread's task counts it.
   [[nodiscard]] const WorkBudget& work_budget() const;
 
   [[nodiscard]] std::vector<SectionSize> sections() const;
-  /// Bytes of the file, bytes read so far (header, directory and each chunk once) and bytes decoded from
-  /// chunks.
+  /// Bytes of the file, bytes read (header, directory and each chunk once) and bytes decoded.
   struct Counters {
     std::uint64_t file = 0, read = 0, decoded = 0;
   };

@@ -19,8 +19,7 @@ struct WriteOptions {
   unsigned threads = 0;  ///< for compression; 0: one per core. The output does not depend on it.
   /// Called at intervals with the fraction done, 0 to 1, on the calling thread. May be empty.
   std::function<void(double)> progress = {};
-  /// Structures with so many voxels get means of their grey values for first pictures: 0.5 to 3 % of the
-  /// values.
+  /// Structures with so many voxels get means of grey values for first pictures: 0.5 to 3 % of the values.
   std::uint64_t means_from = std::uint64_t{1} << 20;
 };
 

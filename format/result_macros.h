@@ -1,5 +1,4 @@
-// Formatted errors, and macros that hand the error of a Result to the caller. Internal: public headers do not
-// use them.
+// Formatted errors, and macros that return the error of a Result. Internal: public headers do not use them.
 #pragma once
 
 #include <utility>

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "format/content/atlas_content.h"
-#include "format/content/frame_center.h"
+#include "format/content/cut_planes.h"
 #include "format/content/grid.h"
 #include "format/result.h"
 
@@ -19,10 +19,9 @@ enum class CameraProjection : std::uint8_t { kParallel, kPerspective };
 /// Minimum and maximum zoom of a camera.
 inline constexpr double kMinZoom = 1e-6, kMaxZoom = 1e6;
 
-/// Orbit camera around a centre in LPS.
-/// Azimuth 0 looks at the subject's anterior side, azimuth 90 at the left side. A positive elevation looks
-/// down from superior. Superior is up in the picture. At elevations of +-90 degrees, the up vector is the
-/// limit from smaller magnitudes.
+/// Orbit camera around a centre in LPS. Azimuth 0 looks at the subject's anterior side, azimuth 90 at the
+/// left side. A positive elevation looks down from superior. Superior is up in the picture. At +-90 degrees,
+/// the up vector is the limit.
 struct Camera {
   double azimuth_deg = 0;
   double elevation_deg = 0;
@@ -59,8 +58,7 @@ struct PictureRegion {
 /// the nearest one first ("LA").
 [[nodiscard]] std::string direction_letters(const Vec3& direction_lps);
 
-/// Orthographic view in LPS mm. Pixel (0, 0) is at the top left; its centre has the picture coordinates
-/// (0.5, 0.5).
+/// Orthographic view in LPS mm. Pixel (0, 0) is at the top left, its centre at (0.5, 0.5).
 struct ParallelView {
   Vec3 right_lps, up_lps, forward_lps;  ///< orthonormal; forward points away from the viewer
   Vec3 center_lps_mm;                   ///< point in the middle of the picture
@@ -107,8 +105,7 @@ inline constexpr double kMinEyeDistanceMm = 1e-100;
 [[nodiscard]] tl::unexpected<Error> bad_camera(std::string_view parameter, std::string_view fault);
 
 /// The view of a camera. kUsage as for parallel_view(). In perspective also for a field of view outside
-/// [kMinFieldOfView, kMaxFieldOfView], and for an eye closer than kMinEyeDistanceMm or infinitely far. O(1),
-/// thread-safe.
+/// [kMinFieldOfView, kMaxFieldOfView], and an eye closer than kMinEyeDistanceMm or infinitely far.
 [[nodiscard]] Result<View> view_of(const Camera& camera, const PictureSize& size, const Display& display);
 
 }  // namespace splatlas

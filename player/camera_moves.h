@@ -7,7 +7,6 @@
 
 #include "format/atlas_reader.h"
 #include "format/content/cut_planes.h"
-#include "format/content/frame_center.h"
 #include "format/content/selection.h"
 #include "player/camera.h"
 
@@ -52,8 +51,7 @@ struct SceneFraming {
   std::vector<bool> labelled;         ///< [structure]: may get a label; empty: all may
 };
 
-/// Reads the texts of a scene of this atlas. kInvalidAtlas for bad ones; messages name the atlas and the
-/// scene. Thread-safe.
+/// Reads the texts of a scene. kInvalidAtlas for bad ones, with the atlas and the scene. Thread-safe.
 [[nodiscard]] Result<SceneFraming> framing_of(const Scene& scene, const Atlas& atlas);
 
 }  // namespace splatlas

@@ -8,8 +8,8 @@
 
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
+#include "player/files/load_module.h"
 #include "player/files/picture_encoder.h"
-#include "player/files/text_drawer.h"
 #include "player/page/annotate_picture.h"
 #include "player/page/draw_outlines.h"
 #include "player/page/named_structures.h"
@@ -41,7 +41,7 @@ struct PageRenderer::Impl {
       : options(std::move(page_options)),
         encoder(path),
         measure([this](std::string_view text, double size, FontStyle style) {
-          return drawer->width(text, size, style);
+          return (*drawer)->width(text, size, style);
         }),
         keeps_alpha(PictureEncoder::is_linear(path)) {
     if (options.items.any()) drawer.emplace(options.font);
@@ -148,7 +148,7 @@ struct PageRenderer::Impl {
 
   /// Notes the first text whose letters no font has.
   void note_missing_glyphs(const std::vector<PlacedText>& texts, std::vector<std::string>& notes) const {
-    const auto lacks = [this](const PlacedText& text) { return drawer->lacks_glyphs(text.text); };
+    const auto lacks = [this](const PlacedText& text) { return (*drawer)->lacks_glyphs(text.text); };
     const auto first = std::ranges::find_if(texts, lacks);
     if (first == texts.end()) return;
     const auto others = std::count_if(first + 1, texts.end(), lacks);

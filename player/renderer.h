@@ -30,8 +30,7 @@ struct Frame {
   ///
   /// Cost: a binary search among the decoded runs of each slice, and the samples of surfaces in the picture
   /// row. After ray casting, also linear in the classes of the atlas. Rasterises the surfaces again if the
-  /// renderer has begun another frame since. Counts as a call of the renderer: not thread-safe. Throws
-  /// std::bad_alloc.
+  /// renderer has begun another frame since. Not thread-safe, as the renderer. Throws std::bad_alloc.
   [[nodiscard]] std::optional<Pick> pick(double x, double y) const {
     return picker ? picker(x, y, ids) : std::nullopt;
   }
@@ -98,8 +97,7 @@ class Renderer {
   /// The fit holds for one direction, and is tight for oblique ones, too. A volume extends to the centres of
   /// the next voxels, up to which interpolation spreads it. Parts that cuts remove do not count; a cut volume
   /// may leave up to two voxels of room. `structures`: fits to the part of the selection in these structures
-  /// (without their descendants). Without anything to draw, returns zoom 1 and the centre of the bounding
-  /// sphere.
+  /// (without their descendants). Without anything to draw: zoom 1, and the bounding sphere's centre.
   ///
   /// Reads and decodes the data of the picture, and nothing else; for drafts within a budget only the runs,
   /// with those of damaged values, and surfaces that are quick to derive, which may reach some voxels less or

@@ -26,8 +26,7 @@ namespace splatlas {
 [[nodiscard]] Result<std::vector<std::byte>> encode_png(const IdImage& ids);
 
 /// Encodes a picture and replaces `path` atomically: it holds the old or the complete new file. Errors of
-/// encode_png(), and kFailed if the file cannot be written; messages name the file. Thread-safe for different
-/// paths.
+/// encode_png(), and kFailed if it cannot be written, with the file. Thread-safe for different paths.
 [[nodiscard]] Result<void> write_png(const Picture& picture, const std::filesystem::path& path,
                                      std::optional<Rgb> background = std::nullopt);
 

@@ -93,8 +93,7 @@ EncodedChunk encode_chunk(std::span<const std::byte> decoded, int level, ChunkCo
   ZSTD_CCtx_reset(context.get(), ZSTD_reset_session_and_parameters);
   ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, level);
   if (content == ChunkContent::kNoise) {
-    // This strategy splits blocks and estimates the cost of a match. Small tables find few, mostly profitable
-    // ones.
+    // This strategy splits blocks and weighs matches. Small tables find few, mostly profitable ones.
     ZSTD_CCtx_setParameter(context.get(), ZSTD_c_strategy, ZSTD_btultra);
     for (const ZSTD_cParameter table : {ZSTD_c_hashLog, ZSTD_c_chainLog})
       ZSTD_CCtx_setParameter(context.get(), table, 6);

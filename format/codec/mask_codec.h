@@ -24,8 +24,7 @@ inline constexpr std::byte kMaskMark{0};
                                                  const Index3& size, Axis axis);
 
 /// Decodes the runs, maximal and in order. kInvalidAtlas unless the bytes encode `voxels` voxels in `box`.
-/// Safe on untrusted bytes. Cost: about 5 ns per voxel of the box. Memory: one byte per voxel of three slices
-/// of the box.
+/// Safe on untrusted bytes. About 5 ns per voxel of the box, and a byte per voxel of three slices.
 [[nodiscard]] Result<ClassRuns> decode_mask(std::span<const std::byte> bytes, const IndexBox& box,
                                             const Index3& size, Axis axis, std::uint64_t voxels);
 

@@ -33,8 +33,7 @@ template <std::unsigned_integral T>
 void append_run_list(std::span<const Run> runs, std::vector<std::byte>& bytes);
 
 /// Decodes a run list. kInvalidAtlas unless the bytes are exactly one list of at most `max_runs` runs. The
-/// caller must validate the runs against the grid. Memory: 16 bytes per run; every run has at least 3 bytes
-/// of code.
+/// caller must validate the runs against the grid. Memory: 16 bytes per run of >= 3 bytes.
 [[nodiscard]] Result<ClassRuns> decode_run_list(std::span<const std::byte> bytes, std::uint64_t max_runs);
 
 /// Bounds of the encoded length of a list that covers `voxels` voxels.

@@ -21,8 +21,7 @@ inline constexpr ValueWeights kMeanWeights{36, 37, 6, -15, -15, -12, 2, 5, -4, 4
 /// Weighted linear least squares over voxels. All values are relative to the previous voxel.
 class WeightFit {
  public:
-  /// Adds a voxel. `from_before`: values of its neighbours, 0 for absent ones; `value`: its own; `weight`:
-  /// its weight in the fit.
+  /// Adds a voxel. `from_before`: values of its neighbours, 0 for absent ones; `weight`: its own in the fit.
   void add(const std::array<float, kNeighbours.size()>& from_before, float value, float weight);
   /// The solution; kMeanWeights for fewer than a few hundred voxels.
   [[nodiscard]] ValueWeights weights() const;
@@ -42,14 +41,12 @@ struct GroupVoxels {
   std::int64_t rows = 0;  ///< scanlines per slice of the grid
 };
 
-/// True if values are predicted: 8-bit and 16-bit integers in boxes with slices of limited size. Other values
-/// are stored unchanged.
+/// True if values are predicted, not stored unchanged: 8- and 16-bit integers in boxes with small slices.
 [[nodiscard]] bool predicts_values(VoxelType type, const IndexBox& box, std::uint64_t voxels);
 /// Encoded length in bytes.
 [[nodiscard]] std::uint64_t value_code_bytes(VoxelType type, const IndexBox& box, std::uint64_t voxels);
 
-/// Encodes the values of the voxels in memory order, bytes_of(type) each, to value_code_bytes() bytes.
-/// Memory: two bytes a voxel.
+/// Encodes the voxels' values in memory order to value_code_bytes() bytes. Memory: two bytes a voxel.
 void encode_values(const GroupVoxels& group, VoxelType type, std::span<const std::byte> values,
                    std::span<std::byte> code);
 /// The same in new memory.

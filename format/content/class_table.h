@@ -45,8 +45,7 @@ struct IndexBox {
 /// True if the boxes have a voxel in common.
 [[nodiscard]] bool overlap(const IndexBox& a, const IndexBox& b);
 
-/// Memberships (sorted by structure), voxel count and bounding box of every class. Class 0 is the empty
-/// class.
+/// Memberships (sorted by structure), voxel count and bounding box of every class. 0: the empty class.
 class ClassTable {
  public:
   ClassTable();

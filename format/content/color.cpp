@@ -42,8 +42,7 @@ Result<Rgb> parse_color(std::string_view text) {
 }
 
 Rgb default_color(std::size_t n) {
-  // 2^64 / golden ratio: the high bits of the product spread evenly around the hue circle (Fibonacci
-  // hashing).
+  // 2^64 / golden ratio: high bits of the product spread evenly on the hue circle (Fibonacci hashing).
   const std::uint64_t turn = static_cast<std::uint64_t>(n) * 0x9e3779b97f4a7c15u;
   const double hue = static_cast<double>(turn >> 11) * 0x1p-53;
   constexpr std::array<double, 3> kSaturation{0.62, 0.45, 0.8};

@@ -9,6 +9,17 @@
 
 namespace splatlas {
 
+std::optional<FrameCenter> parse_center(std::string_view text) {
+  if (const auto point = parse_numbers<3>(text)) {
+    return is_within_reach(*point) ? std::optional<FrameCenter>(*point) : std::nullopt;
+  }
+  constexpr std::string_view kPointCharacters = "0123456789+-.,eE ";
+  const bool is_point = text.find(',') != std::string_view::npos &&
+                        text.find_first_not_of(kPointCharacters) == std::string_view::npos;
+  if (text.empty() || is_point) return std::nullopt;
+  return FrameCenter(std::string(text));
+}
+
 Result<void> CutPlanes::add(const CutPlane& plane) {
   const auto& [x, y, z] = plane.normal_lps;
   const double length = std::hypot(x, y, z);

@@ -20,8 +20,7 @@ enum class VoxelRole : std::uint8_t { kNone, kVolume, kSurface, kHybrid };
   return role == VoxelRole::kVolume || role == VoxelRole::kHybrid;
 }
 
-/// Drawing of one class. Surface and hybrid voxels contain the surface of every selected structure with a
-/// boundary there.
+/// Drawing of a class. Surface and hybrid voxels hold the surface of every selected structure bounded there.
 struct ClassDraw {
   ClassId id = kEmptyClass;
   VoxelRole role = VoxelRole::kNone;

@@ -58,8 +58,7 @@ OldStrides old_strides(const Index3& old_size, const AxisOrder& order) {
   return strides;
 }
 
-/// Copies in tiles over the new i axis and the new axis along the old i axis, for cache locality in both
-/// buffers.
+/// Copies in tiles over the new i axis and that along the old i axis, for cache locality in both buffers.
 template <typename Copier>
 void copy_in_tiles(const OldStrides& strides, const Index3& size, std::size_t old_i_axis,
                    const Copier& copy) {

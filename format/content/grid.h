@@ -21,6 +21,11 @@ template <typename T>
 [[nodiscard]] constexpr T dot(const std::array<T, 3>& a, const std::array<T, 3>& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
+/// a - b
+template <typename T>
+[[nodiscard]] constexpr std::array<T, 3> difference(const std::array<T, 3>& a, const std::array<T, 3>& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
 /// Vector product.
 template <typename T>
 [[nodiscard]] constexpr std::array<T, 3> cross(const std::array<T, 3>& a, const std::array<T, 3>& b) {

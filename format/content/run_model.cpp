@@ -106,8 +106,7 @@ tl::unexpected<Error> out_of_order(const Run& run) {
                        run.start, run.scanline);
 }
 
-/// Stable sort by a key below 2^48. Counting sort, in linear time, if the keys are dense, as they are for
-/// most classes.
+/// Stable sort by a key below 2^48. Counting sort, in linear time, if keys are dense, as in most classes.
 template <typename Key>
 void stable_sort_by(ClassRuns& runs, const Key& key) {
   if (runs.empty()) return;

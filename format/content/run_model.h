@@ -1,6 +1,7 @@
-// Run-length encoding of the class volume, one model per principal axis.
+// Run-length encoding of the class volume, one model per principal axis, and means in blocks of its voxels.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -36,8 +37,7 @@ struct Run {
   friend auto operator<=>(const Run&, const Run&) = default;
 };
 
-/// All runs of one class in traversal order of one principal axis. Runs are maximal: no two are adjacent in a
-/// scanline.
+/// All runs of one class in traversal order of one principal axis. Runs are maximal: none are adjacent.
 using ClassRuns = std::vector<Run>;
 
 /// Run model of one principal axis: one list of runs per class (WSCG 2004, section 3; see ClassId). The list
@@ -66,9 +66,19 @@ struct RunModel {
 /// Bounding box of the voxels of valid runs (see validate_runs()).
 [[nodiscard]] IndexBox box_of(std::span<const Run> runs, const Index3& size, Axis axis);
 
-/// Converts runs to another principal axis. `runs` must pass validate_runs. Cost: linear in the runs if both
-/// axes share scanlines (y and z), else in the voxels covered and the side lengths of their bounding box.
-/// Memory: linear in the runs.
+/// Converts runs, which must pass validate_runs, to another principal axis. Linear in the runs if both axes
+/// share scanlines (y and z), else in the voxels and the sides of their box. Memory: linear in the runs.
 [[nodiscard]] ClassRuns convert_runs(std::span<const Run> runs, const Index3& size, Axis from, Axis to);
+
+/// Blocks have 2^kMeanLevel voxels along each axis. Block (i, j, k) begins at voxel (4i, 4j, 4k); the grid of
+/// blocks is coarse_grid(grid, kMeanLevel).
+inline constexpr int kMeanLevel = 2;
+
+/// The blocks with voxels of some classes, in memory order of the grid of blocks.
+struct BlockMeans {
+  ClassRuns runs;                    ///< of blocks, principal axis z
+  std::vector<std::uint8_t> voxels;  ///< [block]: voxels of the classes, 1 to 64
+  std::vector<std::byte> values;     ///< [block]: means, of the atlas's value type
+};
 
 }  // namespace splatlas

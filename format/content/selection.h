@@ -49,8 +49,7 @@ enum class DrawMode : std::uint8_t { kOff, kVolume, kSurface, kBoth };
 /// "off", "volume", "surface", "both".
 [[nodiscard]] const char* name_of(DrawMode mode);
 
-/// Shape of a transfer function's ramp from transparent at `low` to the full opacity at `high`. The shade
-/// rises with it.
+/// Shape of a transfer function's ramp, and its shade, from transparent at `low` to full opacity at `high`.
 enum class TransferProfile : std::uint8_t {
   kSoft,  ///< linear over the whole interval
   kThin,  ///< like kSoft, with a very low default opacity

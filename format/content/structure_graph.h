@@ -28,8 +28,7 @@ struct Term {
   friend bool operator==(const Term&, const Term&) = default;
 };
 
-/// An anatomical structure, or a group without voxels and triangles of its own that represents its
-/// descendants.
+/// An anatomical structure, or a group without own voxels and triangles that represents its descendants.
 struct Structure {
   std::string id;         ///< stable and unique, ignoring case; letters, digits, "_", "-" and "."
   std::string name = {};  ///< display name; may be ambiguous
@@ -63,8 +62,7 @@ class StructureGraph {
   [[nodiscard]] std::span<const StructureIndex> preorder() const { return preorder_; }
   /// Topological order: roots first, every structure after all its parents.
   [[nodiscard]] std::span<const StructureIndex> topological() const { return topological_; }
-  /// `s` and its descendants, each once, in depth-first preorder from `s`. Cost: linear in the result and its
-  /// edges.
+  /// `s` and its descendants, each once, in depth-first preorder from `s`. Linear in these and their edges.
   [[nodiscard]] std::vector<StructureIndex> descendants(StructureIndex s) const;
   /// The same for several structures together: each structure is visited once.
   [[nodiscard]] std::vector<StructureIndex> descendants(std::span<const StructureIndex> structures) const;

@@ -143,8 +143,7 @@ PackedNormal pack_normal(const std::array<float, 3>& n) {
   std::array<float, 2> p{v[0] / sum, v[1] / sum};
   if (v[2] < 0) p = folded(p[0], p[1]);
 
-  // Choose the nearest of the four codes around the exact point: rounding each component separately adds up
-  // to 0.3 degrees.
+  // Choose the nearest of the four codes around the exact point: separate rounding adds up to 0.3 degrees.
   const float x = std::floor(std::clamp(p[0], -1.0f, 1.0f) * kScale);
   const float y = std::floor(std::clamp(p[1], -1.0f, 1.0f) * kScale);
   PackedNormal best = 0;

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "format/content/block_means.h"
 #include "format/content/class_table.h"
 #include "format/content/grid.h"
+#include "format/content/run_model.h"
 #include "format/content/voxel_type.h"
 #include "format/derive/value_groups.h"
 

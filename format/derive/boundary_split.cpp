@@ -106,8 +106,7 @@ class ScanlineWindow {
     return around_[1][1][word] & around_[0][1][word] & around_[2][1][word] & around_[1][0][word] &
            around_[1][2][word];
   }
-  /// Interior voxels: cross() of the voxel and both neighbours in the scanline, and the four remaining edge
-  /// neighbours.
+  /// Interior voxels: cross() of voxel and both neighbours in the scanline, and four more edge neighbours.
   [[nodiscard]] std::uint64_t interior(std::uint64_t at) const {
     const auto word = static_cast<std::ptrdiff_t>(at);
     const std::uint64_t here = cross(word);

@@ -26,8 +26,7 @@ struct SplitRuns {
 [[nodiscard]] SplitRuns split_boundary(std::span<const Run> runs, const Index3& size, Axis axis);
 
 /// [group]: true for a group of exactly one interior and one boundary class, in this order, of structures
-/// that are in no other group. The group's voxels then determine both classes. Cost: linear in the
-/// memberships.
+/// that are in no other group. Its voxels then determine both. Linear in the memberships.
 [[nodiscard]] std::vector<bool> find_split_groups(const ValueGroups& groups, const ClassTable& table);
 
 /// Assignment of the runs of classes to streams. The two classes of a split group share the stream of the

@@ -135,8 +135,7 @@ int isovalue_of(const Field& field) {
   return std::clamp(bin * (Coverage::kFull / kBins), kMinIso, kMaxIso);
 }
 
-/// Raises ridges below the isovalue above it: blocks without a neighbour above it that cover the most along
-/// an axis.
+/// Raises ridges above the isovalue: blocks without a neighbour above it that cover the most along an axis.
 void raise_ridges(int isovalue, Field& field) {
   std::vector<std::int64_t> ridges;
   field.for_each([&](std::int64_t block) {

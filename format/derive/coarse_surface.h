@@ -27,8 +27,7 @@ class Coverage {
   /// Blocks with margins that a box takes.
   [[nodiscard]] static double blocks(const IndexBox& box, int level);
 
-  /// Adds runs (principal axis z) within the box, in a grid of `rows` rows per slice. O(runs + blocks in
-  /// them).
+  /// Adds runs (principal axis z) within the box, in a grid of `rows` rows per slice. O(runs + blocks).
   void add(std::span<const Run> runs, std::int64_t rows);
 
   [[nodiscard]] int level() const { return level_; }

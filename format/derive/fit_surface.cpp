@@ -16,10 +16,6 @@ namespace {
 
 using Vec3f = std::array<float, 3>;
 
-Vec3f difference(const Vec3f& a, const Vec3f& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-
 /// The voxels at both ends of a vertex's edge.
 std::array<Index3, 2> ends_of(const NetVertex& vertex) {
   std::array<Index3, 2> ends{Index3{vertex.voxel[0], vertex.voxel[1], vertex.voxel[2]}, {}};

@@ -65,8 +65,7 @@ using SliceVisitor = std::function<void(const SmoothGradient& gradient, std::int
 [[nodiscard]] std::vector<PackedNormal> fit_sparse_normals(const PartRows& rows, std::span<const Run> runs,
                                                            const Grid& grid);
 
-/// The structure that determines the normals of a class: the first with a boundary membership, or
-/// kNoStructure.
+/// The structure that determines the normals of a class: its first as boundary, or kNoStructure.
 [[nodiscard]] StructureIndex normal_owner(std::span<const Membership> members);
 /// [class]: normal_owner() of its memberships.
 [[nodiscard]] std::vector<StructureIndex> normal_owners(const ClassTable& classes);

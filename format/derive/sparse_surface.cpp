@@ -5,8 +5,8 @@
 #include <numeric>
 #include <utility>
 
-#include "format/derive/net_builder.h"
 #include "format/derive/structure_crop.h"
+#include "format/derive/surface_net.h"
 #include "format/tasks/task_control.h"
 
 namespace splatlas {

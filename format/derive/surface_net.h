@@ -1,10 +1,167 @@
 // Crossed voxel edges of a structure, linked across voxel faces, with the triangles of marching cubes.
 #pragma once
 
-#include "format/derive/net_builder.h"
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "format/derive/cell_cases.h"
 #include "format/derive/structure_crop.h"
 
 namespace splatlas {
+
+/// Edge between a voxel and its successor along `axis`, one inside and one outside.
+struct NetVertex {
+  std::array<std::int32_t, 3> voxel{};  ///< grid index of the first one, from -1 on
+  std::int32_t kind = 0;                ///< its axis, and kFirstIsInside
+
+  static constexpr std::int32_t kFirstIsInside = 4;
+  [[nodiscard]] std::size_t axis() const { return static_cast<std::size_t>(kind & 3); }
+  [[nodiscard]] bool first_is_inside() const { return (kind & kFirstIsInside) != 0; }
+  friend bool operator==(const NetVertex&, const NetVertex&) = default;
+};
+
+/// The surface of marching cubes (Lorensen and Cline 1987) without positions. Triangles are
+/// counter-clockwise from outside in index space, sorted by the first boundary voxel of their cell (see
+/// SurfaceMesh), then by cell in memory order, then as in CellCase. Vertices are numbered by first use.
+struct SurfaceNet {
+  std::vector<NetVertex> vertices;
+  /// [vertex][slot of CellCase::Link]: the neighbour; the vertex itself in ambiguous faces.
+  std::vector<std::array<std::uint32_t, 4>> neighbours;
+  std::vector<std::uint8_t> kinds;  ///< [vertex]: LinkKind of its slots, two bits each, slot 0 lowest
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+/// Threads keep the memory of nets up to this size for their next one: about 100 bytes per vertex. New pages
+/// cost as much time as the work in them.
+inline constexpr std::size_t kMaxKeptVertices = std::size_t{1} << 18;
+
+/// Numbers vertices and triangles cell by cell, and appends them to a net. Its arrays have room for any cell,
+/// so that single elements need no check. The element behind the last vertex takes padding.
+class NetBuilder {
+ public:
+  /// Ids have 32 bits.
+  static constexpr std::size_t kMaxVertices = std::numeric_limits<std::uint32_t>::max() - 1;
+
+  /// Ids of vertices are their numbers plus 1; smaller ids than `next_id()` at any time mean earlier
+  /// vertices. `vertices`: their expected number; more than kMaxVertices throw std::bad_alloc. The net is
+  /// built in the memory of `reused`.
+  explicit NetBuilder(std::size_t vertices, SurfaceNet reused = {});
+
+  /// Adds a cell with corner 0 at grid index `cell`. `id_at(edge)` returns a reference to the id of an edge,
+  /// `live_from(edge)` the smallest valid id there: smaller ones belong to other edges.
+  template <typename IdAt, typename LiveFrom>
+  void add_cell(const std::array<std::int32_t, 3>& cell, unsigned inside, const IdAt& id_at,
+                const LiveFrom& live_from) {
+    const CellCase& of = cases_[inside];
+    make_room();
+    // Local copies: the compiler cannot know that the stores below leave the members alone.
+    Place place{net_.vertices.data(), net_.neighbours.data(), net_.kinds.data(),
+                static_cast<std::uint32_t>(vertices_)};
+    // Counts vary from cell to cell: padded links and triangles cost less than mispredicted ends of loops.
+    std::array<std::uint32_t, kCellEdges + 1> numbers;  // [edge of the case]: its vertex
+    const auto number_edges = [&](std::size_t begin, std::size_t end) {
+      for (std::size_t n = begin; n < end; ++n) {
+        const CellEdge edge = kEdges[of.edges[n]];
+        numbers[n] = number_edge(cell, inside, of.edges[n], id_at(edge), live_from(edge), place);
+      }
+    };
+    number_edges(0, 3);
+    number_edges(3, of.edge_count);
+    numbers[CellCase::kNoEdge] = place.count;
+    for (const CellCase::Link& link : of.links) {
+      const std::uint32_t from = numbers[link.from];
+      place.neighbours[from][link.slot] = numbers[link.to];
+      const unsigned change = (unsigned{kCentres} ^ static_cast<unsigned>(link.kind)) & 3u;
+      place.kinds[from] = static_cast<std::uint8_t>(place.kinds[from] ^ change << 2 * link.slot);
+    }
+    std::array<std::uint32_t, 3>* const triangles = &net_.triangles[triangles_];
+    const auto add_triangle = [&](std::size_t n) {
+      const auto& [a, b, c] = of.triangles[n];
+      triangles[n] = {numbers[a], numbers[b], numbers[c]};
+    };
+    for (std::size_t n = 0; n + 1 < CellCase::kMaxTriangles; ++n) add_triangle(n);
+    if (of.triangle_count == CellCase::kMaxTriangles) add_triangle(CellCase::kMaxTriangles - 1);
+    triangles_ += of.triangle_count;
+    vertices_ = place.count;
+  }
+
+  /// The same for a cell that precedes all those without this mark.
+  template <typename IdAt, typename LiveFrom>
+  void add_early_cell(const std::array<std::int32_t, 3>& cell, unsigned inside, const IdAt& id_at,
+                      const LiveFrom& live_from) {
+    const std::size_t begin = triangles_;
+    add_cell(cell, inside, id_at, live_from);
+    early_.emplace_back(begin, triangles_);
+  }
+
+  [[nodiscard]] std::size_t triangles() const { return triangles_; }
+  [[nodiscard]] std::uint32_t next_id() const { return static_cast<std::uint32_t>(vertices_ + 1); }
+  /// The net, with vertices numbered by first use.
+  [[nodiscard]] SurfaceNet finish();
+
+ private:
+  static constexpr std::uint8_t kCentres = 0xff;  ///< LinkKind::kCentre in all slots
+  static constexpr std::array<CellEdge, kCellEdges> kEdges = [] {
+    std::array<CellEdge, kCellEdges> edges{};
+    for (std::size_t n = 0; n < edges.size(); ++n) edges[n] = cell_edge(n);
+    return edges;
+  }();
+
+  /// Vertices of the edges of the cell at (0, 0, 0).
+  static constexpr std::array<NetVertex, kCellEdges> kSteps = [] {
+    std::array<NetVertex, kCellEdges> steps{};
+    for (std::size_t n = 0; n < steps.size(); ++n) {
+      const auto [corner, axis] = cell_edge(n);
+      steps[n] = {{corner & 1, corner >> 1 & 1, corner >> 2}, axis};
+    }
+    return steps;
+  }();
+
+  void make_room() {
+    if (vertices_ + kCellEdges >= net_.vertices.size() ||
+        triangles_ + CellCase::kMaxTriangles > net_.triangles.size())
+      grow();
+  }
+  void grow();
+  void put_early_cells_first();
+
+  /// The vertices so far.
+  struct Place {
+    NetVertex* vertices = nullptr;
+    std::array<std::uint32_t, 4>* neighbours = nullptr;
+    std::uint8_t* kinds = nullptr;
+    std::uint32_t count = 0;
+  };
+
+  /// The vertex of an edge. Without branches: the place behind the last vertex is overwritten until it is
+  /// used.
+  static std::uint32_t number_edge(const std::array<std::int32_t, 3>& cell, unsigned inside,
+                                   std::size_t number, std::uint32_t& id, std::uint32_t live_from,
+                                   Place& place) {
+    const std::uint32_t next = place.count, old = id;
+    const bool is_new = old < live_from;
+    const NetVertex& step = kSteps[number];
+    const auto side =
+        static_cast<std::int32_t>((inside >> kEdges[number].corner & 1u) * NetVertex::kFirstIsInside);
+    place.vertices[next] = {{cell[0] + step.voxel[0], cell[1] + step.voxel[1], cell[2] + step.voxel[2]},
+                            step.kind + side};
+    place.neighbours[next] = {next, next, next, next};
+    place.kinds[next] = kCentres;
+    const std::uint32_t now = is_new ? next + 1 : old;
+    id = now;
+    place.count = next + (is_new ? 1 : 0);
+    return now - 1;
+  }
+
+  const CellCases& cases_;
+  SurfaceNet net_;  // arrays with unused elements at their ends
+  std::size_t vertices_ = 0, triangles_ = 0;
+  std::vector<std::pair<std::size_t, std::size_t>> early_;  // ranges of triangles
+};
 
 /// The net of a crop of a whole structure, in the memory of `reused`. Cost: linear in the voxels of the crop,
 /// an eighth of a byte each, and about 20 ns per triangle.

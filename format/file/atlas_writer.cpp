@@ -22,7 +22,7 @@
 #include "format/io/output_file.h"
 #include "format/result_macros.h"
 #include "format/tasks/free_memory.h"
-#include "format/tasks/parallel.h"
+#include "format/tasks/thread_pool.h"
 
 namespace splatlas {
 
@@ -176,8 +176,7 @@ Result<SectionBytes> AtlasEncoder::gather(SectionKind kind) {
   return gather_surfaces();
 }
 
-/// The merged runs of an interior class and its boundary class, if split_boundary() restores both; else
-/// empty.
+/// The merged runs of an interior and its boundary class, if split_boundary() restores both; else empty.
 ClassRuns AtlasEncoder::joined_runs(const RunStreams& streams, const RunModel& model, ClassId c) const {
   if (!streams.may_share(c)) return {};
   const auto pair = streams.pair_of(c);
@@ -325,8 +324,7 @@ Result<SectionBytes> AtlasEncoder::gather_surfaces() {
   return bytes;
 }
 
-/// Divides the streams into chunks and compresses these in parallel. The bytes of a chunk depend only on its
-/// content.
+/// Divides the streams into chunks and compresses these in parallel. Chunks depend only on their content.
 void AtlasEncoder::add_section(SectionKind kind, const SectionBytes& decoded) {
   constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint32_t>::max();
   const std::vector<std::uint64_t> begins = begins_of(stream_sizes(directory_, kind));

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "format/file/directory_text.h"
 #include "format/file/schema_arrays.h"
 #include "format/result_macros.h"
 #include "schemas/atlas_generated.h"

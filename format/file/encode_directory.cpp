@@ -1,8 +1,9 @@
+#include <fmt/format.h>
 
 #include "format/file/directory.h"
-#include "format/file/directory_text.h"
 #include "format/file/file_layout.h"
 #include "format/file/schema_arrays.h"
+#include "format/result_macros.h"
 #include "schemas/atlas_generated.h"
 
 namespace splatlas {

@@ -19,8 +19,7 @@ struct EncodedMeans {
 };
 
 /// Encodes the values of a group into `code`, which must have their length. With `means`, encodes their means
-/// as well, if a file may store them. `runs` are those of the class volume along z. Cost: linear in the
-/// voxels.
+/// as well, if a file may store them. `runs`: of the class volume along z. Linear in the voxels.
 [[nodiscard]] EncodedMeans encode_group(const AtlasContent& content, const RunModel& runs,
                                         const ValueGroups& groups, std::size_t group, bool means,
                                         std::span<std::byte> code);

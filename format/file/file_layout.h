@@ -1,5 +1,4 @@
-// File layout of an atlas: header, and offsets of sections, chunks and streams, for the writer and the
-// reader.
+// File layout of an atlas: header, and offsets of sections, chunks and streams, for writer and reader.
 //
 //   0                     FileHeader, 64 bytes
 //   64                    directory (FlatBuffers, schemas/atlas.fbs)

@@ -6,7 +6,7 @@
 #include "format/derive/fit_surface.h"
 #include "format/file/directory.h"
 #include "format/result_macros.h"
-#include "format/tasks/parallel.h"
+#include "format/tasks/thread_pool.h"
 
 namespace splatlas {
 namespace {

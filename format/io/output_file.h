@@ -55,8 +55,7 @@ class OutputFolder {
   /// Creates a file of the folder, calls `write`, and syncs the file and verifies its bytes.
   [[nodiscard]] Result<void> add(const std::string& name,
                                  const std::function<Result<void>(OutputFile&)>& write);
-  /// Syncs the folder and gives it the target's name. Keeps permissions, group and owner of an empty folder
-  /// that is there if possible.
+  /// Syncs the folder and gives it the target's name; if possible, also permissions and owner of one there.
   [[nodiscard]] Result<void> commit();
 
  private:

@@ -23,8 +23,7 @@ namespace splatlas {
 /// Checks that a folder can be created. It must not exist, or be empty. Errors as above.
 [[nodiscard]] Result<void> check_writable_folder(const std::filesystem::path& path);
 
-/// kUsage if an output is an input or another output, by any path or hard link. Ignores empty paths. Opens no
-/// file.
+/// kUsage if an output is an input or another output, by any path or link. Ignores empty ones. Opens none.
 [[nodiscard]] Result<void> check_outputs(std::span<const std::filesystem::path> outputs,
                                          std::span<const std::filesystem::path> inputs);
 

@@ -26,8 +26,7 @@ namespace splatlas {
 [[nodiscard]] Result<void> run_on_file(const std::filesystem::path& file, const char* remedy,
                                        const std::function<Result<void>()>& run);
 
-/// Runs a program: prints the error or exception of `run` to standard error, after the program's name.
-/// Returns the exit status.
+/// Runs a program: prints its error or exception to standard error, after its name. Returns the exit status.
 [[nodiscard]] int run_main(const char* name, const std::function<Result<void>()>& run);
 
 }  // namespace splatlas

@@ -17,8 +17,7 @@ namespace splatlas {
 /// Writes a file's bytes to standard output and flushes; the same error.
 [[nodiscard]] Result<void> print_bytes(std::span<const std::byte> bytes);
 
-/// Flushes standard output; kFailed if this or any earlier write failed. Programs call it last, to report
-/// lost output.
+/// Flushes standard output; kFailed if this or any earlier write failed. To call last, to report lost output.
 [[nodiscard]] Result<void> finish_standard_output();
 
 /// Writes progress, notes and warnings to `stream`, usually standard error, and flushes. Ignores errors.

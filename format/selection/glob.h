@@ -9,8 +9,7 @@
 namespace splatlas {
 
 /// A pattern in which "*" matches any characters, including none and "/". Ignores the case of ASCII letters.
-/// The automaton reads text in pieces, without backtracking, and can read texts with a common suffix
-/// together.
+/// The automaton reads text in pieces, without backtracking, texts with a common suffix together.
 class Glob {
  public:
   /// Active states of the automaton, one flag per position in the pattern.

@@ -1,11 +1,10 @@
-#include "format/selection/selection_options.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "format/selection/selection_terms.h"
 #include "format/text/ascii_text.h"
 
 namespace splatlas {

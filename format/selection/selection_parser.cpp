@@ -3,7 +3,6 @@
 
 #include "format/content/selection.h"
 #include "format/result_macros.h"
-#include "format/selection/selection_options.h"
 #include "format/selection/selection_terms.h"
 #include "format/tasks/task_control.h"
 #include "format/text/ascii_text.h"

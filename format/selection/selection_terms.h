@@ -1,11 +1,15 @@
-// Semantics of a selection term, shared by the parser and the formatter.
+// Semantics and options of a selection term, shared by the parser and the formatter.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
+
+#include <tl/expected.hpp>
 
 #include "format/content/selection.h"
 
@@ -15,8 +19,7 @@ namespace splatlas {
 void apply_term(const SelectionTerm& term, std::uint32_t number, std::span<const StructureIndex> structures,
                 const StructureGraph& graph, Selection& selection);
 
-/// Numbers of the terms in the order of application: those for the rest first. StructureDraw::term is an
-/// index into it.
+/// Numbers of the terms in the order of application, which StructureDraw::term indexes: for the rest first.
 [[nodiscard]] std::vector<std::size_t> application_order(std::span<const SelectionTerm> terms);
 
 /// The structures of a term's name or label, without descendants. Empty for the rest, and for the name "*" in
@@ -34,5 +37,27 @@ void apply_term(const SelectionTerm& term, std::uint32_t number, std::span<const
 [[nodiscard]] bool is_name_character(char c);
 /// True for the word that stands for the rest unless it is quoted.
 [[nodiscard]] bool is_rest(std::string_view name);
+
+/// A syntax or range error in the value of an option.
+struct OptionFault {
+  std::size_t offset = 0;  ///< byte offset in the value
+  std::string what;
+};
+using OptionResult = tl::expected<void, OptionFault>;
+
+/// An option of a term, in the table of selection_options.cpp.
+struct SelectionOption {
+  std::string_view name;
+  bool (*is_given)(const SelectionTerm& term);
+  /// Parses a value. Leaves the term unchanged on error.
+  OptionResult (*read)(std::string_view value, SelectionTerm& term);
+  /// Formats the value of a term with this option. read() restores it exactly. Null for a flag.
+  std::string (*write)(const SelectionTerm& term);
+};
+
+/// Finds an option by name, ignoring the case of ASCII letters; null if there is none.
+[[nodiscard]] const SelectionOption* find_option(std::string_view name);
+/// The options that a term has, separated by commas: "opacity=0.4,color=#ff8800".
+[[nodiscard]] std::string write_options(const SelectionTerm& term);
 
 }  // namespace splatlas

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "format/content/selection.h"
-#include "format/selection/selection_options.h"
 #include "format/selection/selection_terms.h"
 
 namespace splatlas {

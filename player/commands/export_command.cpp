@@ -1,5 +1,3 @@
-#include "player/commands/export_command.h"
-
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -23,7 +21,7 @@
 #include "format/text/ascii_text.h"
 #include "format/text/json_text.h"
 #include "player/camera_moves.h"
-#include "player/commands/framing.h"
+#include "player/commands/commands.h"
 #include "player/renderer.h"
 #include "player/web/html_page.h"
 
@@ -140,8 +138,7 @@ CLI::App* add_export(CLI::App& app, ExportRequest& request) {
 
 namespace {
 
-/// The page of an intact atlas, without the atlas itself. Everything opens as surfaces where it takes too
-/// much memory as volumes.
+/// The page of an intact atlas, without the atlas itself. Opens surfaces where volumes take too much memory.
 Result<HtmlPage> draw_page(const ExportRequest& request, const std::shared_ptr<const Atlas>& atlas) {
   SPLATLAS_RETURN_IF_ERROR(atlas->verify());
   SPLATLAS_ASSIGN_OR_RETURN(Opening opening, opening_of(request.opening, *atlas));

@@ -1,5 +1,3 @@
-#include "player/commands/play_command.h"
-
 #include <array>
 #include <csignal>
 #include <cstdlib>
@@ -14,7 +12,7 @@
 #include "format/program/command_options.h"
 #include "format/program/standard_output.h"
 #include "format/result_macros.h"
-#include "player/commands/opening.h"
+#include "player/commands/commands.h"
 #include "player/web/html_page.h"
 #include "player/web/server/page_server.h"
 

@@ -19,9 +19,7 @@
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
 #include "format/text/printable_text.h"
-#include "player/commands/export_command.h"
-#include "player/commands/play_command.h"
-#include "player/commands/render_command.h"
+#include "player/commands/commands.h"
 #include "player/render/simd/simd_choice.h"
 #include "player/web/info_json.h"
 

@@ -19,7 +19,7 @@
 #include "format/tasks/task_control.h"
 #include "format/text/json_text.h"
 #include "player/camera_moves.h"
-#include "player/commands/render_command.h"
+#include "player/commands/commands.h"
 #include "player/files/picture_encoder.h"
 #include "player/web/html_page.h"
 #include "player/web/render_warnings.h"

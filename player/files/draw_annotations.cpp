@@ -112,7 +112,7 @@ Result<void> draw_annotations(Picture& picture, const AnnotationLayer& layer, st
                               const TextDrawer* drawer) {
   std::vector<TextCoverage> texts;
   for (const PlacedText& text : layer.texts) {
-    SPLATLAS_ASSIGN_OR_RETURN(TextCoverage drawn, drawer->draw(text));
+    SPLATLAS_ASSIGN_OR_RETURN(TextCoverage drawn, (*drawer)->draw(text));
     texts.push_back(std::move(drawn));
   }
 

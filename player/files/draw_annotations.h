@@ -5,7 +5,7 @@
 
 #include "format/content/color.h"
 #include "format/result.h"
-#include "player/files/text_drawer.h"
+#include "player/files/load_module.h"
 #include "player/page/annotation.h"
 #include "player/picture.h"
 

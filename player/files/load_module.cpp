@@ -18,4 +18,20 @@ Result<void*> load_function(const char* module, const char* function, const char
   return fail(ErrorCode::kFailed, "{} has no {}: it is of another version", module, function);
 }
 
+TextDrawer::TextDrawer(const std::filesystem::path& font) {
+  opening_ = std::async(std::launch::async, [file = font.string()]() -> OpenedTextEngine {
+    SPLATLAS_ASSIGN_OR_RETURN(void* const function,
+                              load_function(kTextModule, kOpenTextEngineName, "Pango and Cairo"));
+    OpenedTextEngine engine;
+    reinterpret_cast<OpenTextEngine>(function)(file, engine);
+    return engine;
+  });
+}
+
+Result<void> TextDrawer::wait() {
+  if (opening_.valid()) opened_ = opening_.get();
+  if (!opened_) return tl::unexpected(opened_.error());
+  return {};
+}
+
 }  // namespace splatlas

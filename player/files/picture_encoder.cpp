@@ -11,7 +11,6 @@
 
 #include "format/result_macros.h"
 #include "player/files/draw_annotations.h"
-#include "player/files/load_module.h"
 #include "player/files/svg_document.h"
 #include "player/write_png.h"
 
@@ -98,7 +97,7 @@ Result<Bytes> encode_pdf(TextDrawer& drawer, const Picture& picture, std::option
   } else {
     page.rgba = to_srgba8(picture);
   }
-  return drawer.encode_pdf(page);
+  return drawer->encode_pdf(page);
 }
 
 }  // namespace

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "format/result.h"
+#include "player/files/load_module.h"
 #include "player/files/picture_module.h"
-#include "player/files/text_drawer.h"
 #include "player/page/annotation.h"
 #include "player/picture.h"
 
@@ -46,16 +46,14 @@ class PictureEncoder {
   [[nodiscard]] static bool is_linear(const std::filesystem::path& path);
   /// kUsage, with the supported extensions, unless `path` has one of them.
   [[nodiscard]] static Result<void> check_ending(const std::filesystem::path& path);
-  /// kUsage, with a remedy, if the format of `path` does not support pictures of this size. The extension
-  /// must be supported.
+  /// kUsage, with a remedy, if the format of `path`, a supported one, has no pictures of this size.
   [[nodiscard]] static Result<void> check_size(const std::filesystem::path& path, const PictureSize& size,
                                                std::optional<Rgb> background);
 
   /// The bytes of the file; to call once, except for .png. Composites over `background`, or keeps alpha
   /// without one (JPEG is then over black). EXR always keeps alpha and ignores the background. Draws the
   /// annotations into the picture, or writes them as vectors into documents. kFailed for errors of modules
-  /// and their libraries. Memory: at most picture_bytes() in addition to the picture; documents take twice as
-  /// much.
+  /// and their libraries. Memory: picture_bytes() beside the picture; documents twice that.
   [[nodiscard]] Result<std::vector<std::byte>> encode(Picture& picture, std::optional<Rgb> background,
                                                       const FileAnnotations& annotations = {});
 

@@ -5,8 +5,7 @@
 
 namespace splatlas {
 
-/// Types of channels: 8-bit sRGB, linear floats, 32-bit numbers of structures ("id"), or depths ("Z",
-/// floats).
+/// Types of channels: 8-bit sRGB, linear floats, 32-bit structure numbers ("id"), or depths ("Z", floats).
 enum PixelType : int { kBytePixels = 0, kFloatPixels = 1, kNumberPixels = 2, kDepthPixels = 3 };
 
 /// Interleaved pixels of a PixelType, top row first. `ending` is the file extension

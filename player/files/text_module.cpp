@@ -35,8 +35,7 @@ using Description = std::unique_ptr<PangoFontDescription, Destroy<pango_font_des
 constexpr double kA4Width = 595.28, kA4Height = 841.89;  // points
 constexpr const char* kFamilies = "Liberation Sans,DejaVu Sans,sans-serif";
 
-/// Adds the first face of a font file to a configuration. Returns letters that it has; none if it cannot be
-/// read.
+/// Adds the first face of a font file to a configuration. Returns its letters; none if it cannot be read.
 std::vector<std::string> add_font(const std::string& file, FcConfig* config) {
   constexpr std::size_t kLetters = 20;
   const auto* const name = reinterpret_cast<const FcChar8*>(file.c_str());
@@ -165,12 +164,13 @@ class PangoEngine : public TextEngine {
   }
 
   /// Draws outlines: Cairo would move the glyphs of pictures to whole pixels.
-  TextCoverage draw(const PlacedText& text, std::string& error) override {
+  Result<TextCoverage> draw(const PlacedText& text) override {
     const Layout layout = line_of(text.text, text.size, text.style);
     const Box ink = ink_of(*layout);
-    check_size(text.text, ink, text.size, error);
-    if (!error.empty() || ink.width <= 0 || ink.height <= 0) return {};
     TextCoverage drawn;
+    if (const std::string fault = fault_of_size(text.text, ink, text.size); !fault.empty())
+      return fail(ErrorCode::kFailed, fault);
+    if (ink.width <= 0 || ink.height <= 0) return drawn;
     drawn.left = static_cast<int>(std::floor(text.x + ink.left)) - 1;
     drawn.top = static_cast<int>(std::floor(text.y + ink.top)) - 1;
     drawn.width = static_cast<int>(std::ceil(text.x + ink.left + ink.width)) + 1 - drawn.left;
@@ -181,10 +181,8 @@ class PangoEngine : public TextEngine {
     cairo_move_to(cairo.get(), text.x - drawn.left, text.y - drawn.top);
     pango_cairo_layout_line_path(cairo.get(), pango_layout_get_line_readonly(layout.get(), 0));
     cairo_fill(cairo.get());
-    if (cairo_status(cairo.get()) != CAIRO_STATUS_SUCCESS) {
-      error = cairo_status_to_string(cairo_status(cairo.get()));
-      return {};
-    }
+    if (cairo_status(cairo.get()) != CAIRO_STATUS_SUCCESS)
+      return fail(ErrorCode::kFailed, cairo_status_to_string(cairo_status(cairo.get())));
     cairo_surface_flush(surface.get());
     const unsigned char* row = cairo_image_surface_get_data(surface.get());
     for (int y = 0; y < drawn.height; ++y, row += cairo_image_surface_get_stride(surface.get())) {
@@ -193,7 +191,7 @@ class PangoEngine : public TextEngine {
     return drawn;
   }
 
-  std::vector<std::byte> encode_pdf(const PdfPage& page, std::string& error) override {
+  Result<std::vector<std::byte>> encode_pdf(const PdfPage& page) override {
     // A page of the picture's size in points, or of A4
     const double points = 72 / page.dpi;
     const bool has_texts = !page.texts.heading.empty();
@@ -206,6 +204,7 @@ class PangoEngine : public TextEngine {
       cairo_pdf_surface_set_metadata(document_.get(), CAIRO_PDF_METADATA_CREATE_DATE, "");  // reproducible
     }
     const Surface image = image_of(page);
+    std::string fault;
     {
       const Canvas cairo(cairo_create(document_.get()));
       const double scale = has_texts ? draw_beside_picture(page, cairo.get()) : points;
@@ -213,17 +212,21 @@ class PangoEngine : public TextEngine {
       cairo_set_source_surface(cairo.get(), image.get(), 0, 0);
       cairo_pattern_set_filter(cairo_get_source(cairo.get()), CAIRO_FILTER_NEAREST);
       cairo_paint(cairo.get());
-      draw_layer(*page.layer, cairo.get(), error);
+      fault = draw_layer(*page.layer, cairo.get());
       cairo_show_page(cairo.get());
-      if (error.empty() && cairo_status(cairo.get()) != CAIRO_STATUS_SUCCESS)
-        error = cairo_status_to_string(cairo_status(cairo.get()));
+      if (fault.empty() && cairo_status(cairo.get()) != CAIRO_STATUS_SUCCESS)
+        fault = cairo_status_to_string(cairo_status(cairo.get()));
     }
-    if (!page.is_last) return {};
-    cairo_surface_finish(document_.get());
-    const cairo_status_t status = cairo_surface_status(document_.get());
-    if (error.empty() && status != CAIRO_STATUS_SUCCESS) error = cairo_status_to_string(status);
-    document_.reset();
-    return std::exchange(bytes_, {});
+    std::vector<std::byte> document;
+    if (page.is_last) {
+      cairo_surface_finish(document_.get());
+      const cairo_status_t status = cairo_surface_status(document_.get());
+      if (fault.empty() && status != CAIRO_STATUS_SUCCESS) fault = cairo_status_to_string(status);
+      document_.reset();
+      document = std::exchange(bytes_, {});
+    }
+    if (!fault.empty()) return fail(ErrorCode::kFailed, fault);
+    return document;
   }
 
  private:
@@ -287,11 +290,10 @@ class PangoEngine : public TextEngine {
         font_ != reinterpret_cast<const char*>(file))
       return false;
     const Box ink = ink_of(*layout);
-    std::string error;
-    check_size(letter, ink, kSize, error);
     int units = 0;
     pango_layout_get_size(layout.get(), &units, nullptr);
-    return error.empty() && ink.width > 0 && ink.height > 0 && units > 0 && units < 8 * kSize * PANGO_SCALE;
+    return fault_of_size(letter, ink, kSize).empty() && ink.width > 0 && ink.height > 0 && units > 0 &&
+           units < 8 * kSize * PANGO_SCALE;
   }
 
   [[nodiscard]] static Box ink_of(PangoLayout& layout) {
@@ -301,25 +303,27 @@ class PangoEngine : public TextEngine {
     return {pixels(ink.x), pixels(ink.y), pixels(ink.width), pixels(ink.height)};
   }
 
-  /// A damaged font may have glyphs of any size.
-  static void check_size(const std::string& text, const Box& ink, double size, std::string& error) {
+  /// A damaged font may have glyphs of any size. Empty for sensible ones.
+  static std::string fault_of_size(const std::string& text, const Box& ink, double size) {
     constexpr double kMaxEm = 8;
     const double em = kMaxEm * size;
-    if (ink.height <= em && ink.width <= em * static_cast<double>(text.size() + 1)) return;
-    error = "the glyphs of \"" + text + "\" are larger than 8 em; take another font";
+    if (ink.height <= em && ink.width <= em * static_cast<double>(text.size() + 1)) return {};
+    return "the glyphs of \"" + text + "\" are larger than 8 em; take another font";
   }
 
-  void draw_layer(const AnnotationLayer& layer, cairo_t* cairo, std::string& error) const {
+  /// Returns the first fault; empty if there is none.
+  [[nodiscard]] std::string draw_layer(const AnnotationLayer& layer, cairo_t* cairo) const {
     const Painter painter{cairo};
     paint_shapes(layer, painter);
     for (const PlacedText& one : layer.texts) {
       const Layout layout = line_of(one.text, one.size, one.style);
-      check_size(one.text, ink_of(*layout), one.size, error);
-      if (!error.empty()) return;
+      if (std::string fault = fault_of_size(one.text, ink_of(*layout), one.size); !fault.empty())
+        return fault;
       set_color(cairo, one.color);
       cairo_move_to(cairo, one.x, one.y);
       pango_cairo_show_layout_line(cairo, pango_layout_get_line_readonly(layout.get(), 0));
     }
+    return {};
   }
 
   std::string font_;  // file to prefer; empty: none
@@ -334,6 +338,8 @@ class PangoEngine : public TextEngine {
 }  // namespace splatlas
 
 extern "C" __attribute__((visibility("default"))) void splatlas_open_text_engine(
-    const std::string& font, std::unique_ptr<splatlas::TextEngine>& engine, std::string& error) {
+    const std::string& font, splatlas::OpenedTextEngine& engine) {
+  std::string error;
   engine = std::make_unique<splatlas::PangoEngine>(font, error);
+  if (!error.empty()) engine = splatlas::fail(splatlas::ErrorCode::kFailed, error);
 }

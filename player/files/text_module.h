@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "format/result.h"
 #include "player/camera.h"
 #include "player/page/annotation.h"
 
@@ -39,17 +40,16 @@ class TextEngine {
   [[nodiscard]] virtual double width(std::string_view text, double size, FontStyle style) = 0;
   /// True if no font has a glyph for one of the characters.
   [[nodiscard]] virtual bool lacks_glyphs(std::string_view text) = 0;
-  /// Coverage of one text. `error`: set if its glyphs are too large to draw.
-  [[nodiscard]] virtual TextCoverage draw(const PlacedText& text, std::string& error) = 0;
-  /// Adds a page to a PDF document. The document's bytes with its last page; nothing before. `error`: set if
-  /// it cannot be made. Memory: four bytes a pixel, and the compressed document.
-  [[nodiscard]] virtual std::vector<std::byte> encode_pdf(const PdfPage& page, std::string& error) = 0;
+  /// Coverage of one text. kFailed if its glyphs are too large to draw.
+  [[nodiscard]] virtual Result<TextCoverage> draw(const PlacedText& text) = 0;
+  /// Adds a page to a PDF document. The document's bytes with its last page; nothing before. kFailed if it
+  /// cannot be made. Memory: four bytes a pixel, and the compressed document.
+  [[nodiscard]] virtual Result<std::vector<std::byte>> encode_pdf(const PdfPage& page) = 0;
 };
 
-/// `font`: the file of a font to prefer to Liberation Sans and DejaVu Sans; empty: none. Sets `error` without
-/// a usable font.
-using OpenTextEngine = void (*)(const std::string& font, std::unique_ptr<TextEngine>& engine,
-                                std::string& error);
+/// `font`: a file to prefer to Liberation Sans and DejaVu Sans; empty: none. kFailed without a usable font.
+using OpenedTextEngine = Result<std::unique_ptr<TextEngine>>;
+using OpenTextEngine = void (*)(const std::string& font, OpenedTextEngine& engine);
 
 inline constexpr const char* kTextModule = "libsplatlas_text.so";
 inline constexpr const char* kOpenTextEngineName = "splatlas_open_text_engine";

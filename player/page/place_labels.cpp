@@ -15,8 +15,7 @@ constexpr int kPositionsPerLine = 4;
 constexpr int kMaxExchanges = 400;
 /// Labels spread further apart than their anchors, so that leaders fan out.
 constexpr double kFan = 1.15;
-/// Distance beyond the middle, relative to the structures' width, from which a leader leads to the other
-/// column.
+/// Distance beyond the middle, relative to the structures' width, from which leaders go to the other column.
 constexpr double kMaxCrossover = 0.15;
 /// Horizontal over vertical extent of leaders, at least: steeper ones run along other labels.
 constexpr double kMinSlope = 0.35;

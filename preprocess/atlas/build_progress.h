@@ -27,8 +27,7 @@ class StageClock {
   /// `listen` may be empty.
   explicit StageClock(ProgressFunction listen) : listen_(std::move(listen)), start_(Clock::now()) {}
 
-  /// Ends the current stage and begins the next. `weight` is its fraction of a typical build; weights should
-  /// sum to 1.
+  /// Ends the current stage and begins the next. `weight`: its fraction of a typical build, in sum 1.
   void begin(const std::string& stage, double weight) {
     end();
     stage_ = stage;

@@ -7,7 +7,7 @@
 
 #include "format/result_macros.h"
 #include "format/tasks/free_memory.h"
-#include "format/tasks/parallel.h"
+#include "format/tasks/thread_pool.h"
 
 namespace splatlas {
 namespace {
@@ -108,8 +108,7 @@ class BandClassifier {
     }
   }
 
-  /// Sets differs_[i] != 0 if any of the 18 neighbours is in another set or beyond the grid. The loops
-  /// vectorize.
+  /// Sets differs_[i] != 0 if any of 18 neighbours is in another set or beyond the grid. The loops vectorize.
   void find_differences(std::int64_t j) {
     const SetId* const own = row(j, 0);
     const std::size_t n = differs_.size();

@@ -27,8 +27,7 @@ struct Classification {
 /// structure if one of its 18 neighbours (sharing a face or an edge) is outside the structure or beyond the
 /// grid. `memberships` must use the indices of `graph`; `crossed` must be sorted and unique. kLimit if more
 /// than 64 structures contain one voxel. Cost: two passes with 18 vectorized comparisons per voxel. Memory:
-/// that of `memberships`, reused, and of 32 slices. The result does not depend on `threads` (0: one per
-/// core).
+/// that of `memberships`, reused, and of 32 slices. The same for all `threads` (0: one per core).
 [[nodiscard]] Result<Classification> classify_voxels(MembershipVolume memberships,
                                                      std::span<const CrossedVoxel> crossed,
                                                      const StructureGraph& graph, unsigned threads = 0);

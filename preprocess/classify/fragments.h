@@ -22,8 +22,7 @@ struct StructureFragments {
 /// or without the first of several largest ones. Structures beyond `below`, and those with 0, are left out.
 /// Components are face-connected, as in segments by threshold: marching cubes separates voxels that share
 /// only an edge or a corner. Returns the structures with fragments, by index. Union-find over runs of a
-/// scanline. Cost: one pass. Memory: the runs of two slices, and 24 bytes for each run that touches no
-/// earlier one.
+/// scanline. One pass. Memory: the runs of two slices, and 24 bytes per run that touches no earlier one.
 [[nodiscard]] std::vector<StructureFragments> find_fragments(const MembershipVolume& memberships,
                                                              std::span<const std::uint64_t> below);
 

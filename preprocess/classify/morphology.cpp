@@ -8,7 +8,7 @@
 
 #include <itkBinaryBallStructuringElement.h>
 
-#include "format/tasks/parallel.h"
+#include "format/tasks/thread_pool.h"
 
 namespace splatlas {
 namespace {

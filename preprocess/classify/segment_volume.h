@@ -33,8 +33,7 @@ struct SegmentRule {
 
 /// Segments by threshold (fixed, or Otsu 1979): the largest face-connected component, optionally closed, with
 /// filled holes. Also fills holes that are open only at the border of the grid. Returns 1 inside, 0 outside;
-/// NaN voxels are outside. `rule` must be kThreshold or kOtsu. Uses all cores. kFailed if no voxel is within
-/// the thresholds.
+/// NaN voxels are outside. `rule`: kThreshold or kOtsu. Uses all cores. kFailed if none is inside.
 [[nodiscard]] Result<std::vector<std::uint8_t>> segment_volume(const VoxelBuffer& values, const Grid& grid,
                                                                const SegmentRule& rule);
 

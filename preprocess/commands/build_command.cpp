@@ -9,7 +9,6 @@
 #include "format/program/standard_output.h"
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
-#include "preprocess/commands/build_report.h"
 #include "preprocess/commands/commands.h"
 #include "preprocess/import/tables/text_file.h"
 

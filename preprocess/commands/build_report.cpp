@@ -1,10 +1,9 @@
-#include "preprocess/commands/build_report.h"
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "format/result.h"
 #include "format/text/json_text.h"
+#include "preprocess/commands/commands.h"
 
 namespace splatlas {
 namespace {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "preprocess/atlas/build_atlas.h"
@@ -39,5 +40,13 @@ CLI::App* add_lesson(CLI::App& app, LessonRequest& request);
 [[nodiscard]] Result<void> run_export(const ExportOptions& options);
 /// Copies an atlas with other scenes, chunks as they are stored, and prints a line to standard output.
 [[nodiscard]] Result<void> run_lesson(const LessonRequest& request);
+
+// Reports of a build: all notes, for programs and for people.
+
+/// {"notes": [{"kind": "empty-masks", "warning": bool, "count": N, "message": "...",
+/// "items": [...]}]}.
+[[nodiscard]] std::string report_as_json(const Notes& notes);
+/// A page of its own, without scripts. `atlas` is named in its title.
+[[nodiscard]] std::string report_as_html(const Notes& notes, const std::filesystem::path& atlas);
 
 }  // namespace splatlas

@@ -83,8 +83,7 @@ Result<void> check_writable(const ExportOptions& options, std::span<const fs::pa
   return {};
 }
 
-/// Checks the memory of writing volumes with values of `bytes` bytes: the class volume, and copies of
-/// `copies` volumes.
+/// Checks the memory of writing volumes of `bytes` bytes a value: class volume, and `copies` copies.
 void check_volumes(const Grid& grid, std::size_t copies, std::size_t bytes) {
   check_memory(static_cast<double>(grid.voxels()) * static_cast<double>(sizeof(ClassId) + copies * bytes));
 }

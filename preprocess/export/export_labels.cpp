@@ -15,8 +15,8 @@
 
 #include "format/derive/structure_crop.h"
 #include "format/result_macros.h"
-#include "format/tasks/parallel.h"
 #include "format/tasks/task_control.h"
+#include "format/tasks/thread_pool.h"
 #include "format/text/ascii_text.h"
 #include "preprocess/export/image_headers.h"
 #include "preprocess/export/write_image.h"

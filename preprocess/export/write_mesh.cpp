@@ -152,11 +152,7 @@ bool is_same(const Vec3& a, const Vec3& b) {
 /// True for triangles that may degenerate when rounded to six digits.
 bool is_thin(const Corners& corners) {
   constexpr double kThinness = 1e-4;
-  Vec3 a, b;
-  for (std::size_t n = 0; n < 3; ++n) {
-    a[n] = corners[1][n] - corners[0][n];
-    b[n] = corners[2][n] - corners[0][n];
-  }
+  const Vec3 a = difference(corners[1], corners[0]), b = difference(corners[2], corners[0]);
   const auto [x, y, z] = cross(a, b);
   const double area = std::hypot(x, y, z);
   const double longest = std::max(std::hypot(a[0], a[1], a[2]), std::hypot(b[0], b[1], b[2]));

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <span>
 
-#include "format/tasks/parallel.h"
+#include "format/tasks/thread_pool.h"
 
 namespace splatlas {
 namespace {

@@ -15,8 +15,7 @@ namespace splatlas {
 /// it. Uses all cores.
 [[nodiscard]] VoxelBuffer resample_linear(const Image& image, const Grid& grid);
 
-/// Fraction of the voxels of `grid` that lie within `other`, estimated on a lattice of 32^3 points. 0: they
-/// lie elsewhere.
+/// Fraction of the voxels of `grid` that lie within `other`, estimated on a lattice of 32^3 points.
 [[nodiscard]] double overlap(const Grid& grid, const Grid& other);
 
 }  // namespace splatlas

@@ -1,13 +1,77 @@
-// Import of all source files of a build.
+// Source files of a build, their import, what they hold, and their grid.
 #pragma once
 
+#include <filesystem>
 #include <functional>
+#include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
+#include "format/content/atlas_content.h"
+#include "preprocess/classify/segment_volume.h"
+#include "preprocess/import/images/pixels/source_image.h"
+#include "preprocess/import/membership_volume.h"
+#include "preprocess/import/meshes/place_mesh.h"
 #include "preprocess/import/notes.h"
-#include "preprocess/sources/source_model.h"
+#include "preprocess/import/tables/names_table.h"
+#include "preprocess/structures/build_graph.h"
+#include "preprocess/surfaces/clip_mesh.h"
 
 namespace splatlas {
+
+/// The grid that stays where labels and volume have different ones.
+enum class ResampleTo {
+  kAsk,     ///< that of the labels, with a warning
+  kLabels,  ///< grey values are interpolated linearly at the voxels of the labels
+  kVolume,  ///< labels are taken from the voxel that lies nearest
+};
+
+/// Source files from the command line. Empty paths are not given.
+struct SourceFiles {
+  std::filesystem::path labels;  ///< a label map, or a folder of masks
+  std::filesystem::path volume, names, colors, tree;
+  std::vector<SegmentRule> segments;
+  std::vector<MeshSource> meshes;
+  std::vector<std::filesystem::path> scenes;  ///< of read_scenes(); names may not repeat
+  bool fit_grid = false;                      ///< widens the grid for surfaces that reach beyond it
+  NamesFormat names_format = NamesFormat::kAuto;
+  bool allow_empty = false;
+  ImageOptions volume_options;             ///< of `volume`
+  std::optional<Vec3> spacing_mm;          ///< of stacks of pictures, for labels and volume
+  ResampleTo resample = ResampleTo::kAsk;  ///< where labels and volume are on different grids
+};
+
+/// Imported sources. Volumes are in the storage order of `source_grid`. Source numbers of structures: labels
+/// or masks first, then segments, then meshes.
+struct SourceModel {
+  Grid source_grid;
+  VoxelBuffer values;  ///< empty() without a volume
+  VoxelType label_type = VoxelType::kNone;
+  MembershipVolume memberships{Index3{0, 0, 0}};  ///< of labels or masks; build_content() adds segments
+  std::vector<SourceStructure> structures;
+
+  struct Segment {
+    SegmentRule rule;
+    std::vector<std::uint8_t> mask;  ///< from the file of a mask rule; else empty
+  };
+  std::vector<Segment> segments;
+  std::vector<ClippedMesh> meshes;
+
+  std::vector<TreeLine> tree;
+  std::string tree_file;
+  std::vector<Source> provenance;
+};
+
+/// The box of a mesh's corners in LPS mm.
+[[nodiscard]] MmBox box_of(const TriangleMesh& mesh);
+/// The box of the labelled voxels in LPS mm; of the grid where there are none; nothing without a grid.
+[[nodiscard]] std::optional<MmBox> labelled_box(const SourceModel& model);
+
+/// Makes a grid around the meshes if the model has none. With `widens`, adds voxels to its grid until it
+/// holds all meshes: background, and the least grey value. Notes it. kLimit beyond 8 times the voxels.
+[[nodiscard]] Result<void> fit_grid(SourceModel& model, std::span<const TriangleMesh> meshes, bool widens,
+                                    Notes& notes);
 
 /// Reads and checks the files, all of them even if one fails: the error is the first one, and `notes` has the
 /// others. Masks of segments on other grids are resampled to the nearest voxel. `progress` receives the

@@ -1,5 +1,3 @@
-#include "preprocess/sources/source_model.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +8,7 @@
 #include "format/content/class_table.h"
 #include "format/result_macros.h"
 #include "preprocess/import/meshes/import_mesh.h"
+#include "preprocess/sources/import_sources.h"
 
 namespace splatlas {
 namespace {

@@ -199,8 +199,7 @@ class NodePlacer {
 
 /// Places structures by the nodes with their labels, or else their names. Nodes without a structure are
 /// groups if a structure is below them; otherwise they are left out and counted as a note, as are parents
-/// that do not exist and edges that close a circle. kFailed if no node fits a structure. Linear in nodes and
-/// parents.
+/// that do not exist and edges that close a circle. kFailed if no node fits. Linear in nodes and parents.
 Result<void> place_nodes(std::span<const TreeLine> lines, const std::string& file,
                          const SourceLookup& sources, GraphParts& parts, Notes& notes) {
   if (lines.empty()) return {};
@@ -229,8 +228,7 @@ Rgb between(const ColorRange& range, std::size_t n, std::size_t count) {
           mix(range.first.b, range.last.b)};
 }
 
-/// Places structures below groups. A group is known by its path; one with the name of a source is that
-/// source.
+/// Places structures below groups. A group is known by its path; with a source's name, it is that source.
 class PathPlacer {
  public:
   PathPlacer(const SourceLookup& sources, GraphParts& parts, Notes& notes)

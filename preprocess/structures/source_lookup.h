@@ -13,8 +13,7 @@
 
 namespace splatlas {
 
-/// Finds sources, by number. Refers to `sources`. Names, ids and terms are found by hash, patterns by a pass
-/// over all.
+/// Finds sources, by number. Refers to `sources`. Finds names, ids and terms by hash, patterns by a pass.
 class SourceLookup {
  public:
   /// `flat`: the sources as roots of a graph, with their ids.

@@ -38,8 +38,7 @@ Corner cut_edge(const Corner& from, const Corner& to, std::size_t axis, double p
   return cut;
 }
 
-/// Splits a convex polygon at a plane. Corners in the plane belong to both parts; a polygon in the plane is
-/// `above`.
+/// Splits a convex polygon at a plane. Corners in the plane belong to both parts; polygons in it are `above`.
 void cut_polygon(const Polygon& polygon, std::size_t axis, double plane, Polygon& below, Polygon& above) {
   below.clear();
   above.clear();
@@ -98,11 +97,8 @@ class MeshClipper {
   [[nodiscard]] double area_of(const Polygon& polygon) const {
     Vec3 sum{0, 0, 0};
     for (std::size_t n = 2; n < polygon.size(); ++n) {
-      Vec3 u, v;
-      for (std::size_t a = 0; a < 3; ++a) {
-        u[a] = polygon[n - 1].index[a] - polygon[0].index[a];
-        v[a] = polygon[n].index[a] - polygon[0].index[a];
-      }
+      const Vec3 u = difference(polygon[n - 1].index, polygon[0].index);
+      const Vec3 v = difference(polygon[n].index, polygon[0].index);
       const Vec3 normal = cross(to_mm_.apply_linear(u), to_mm_.apply_linear(v));
       for (std::size_t a = 0; a < 3; ++a) sum[a] += normal[a];
     }
@@ -144,8 +140,7 @@ class MeshClipper {
     split(rest, axis + 1, voxel);
   }
 
-  /// The voxel of a triangle. Quantization may move it into the plane of the next voxel, to which it then
-  /// belongs.
+  /// The voxel of a triangle. Quantization may move it into the plane of the next voxel, its own then.
   [[nodiscard]] std::int64_t voxel_of(const Polygon& triangle, Index3 voxel) const {
     for (std::size_t a = 0; a < 3; ++a) {
       const double plane = static_cast<double>(voxel[a]) + 0.5;

@@ -17,8 +17,7 @@ struct ExtractedSurfaces {
   std::vector<SurfaceMesh> surfaces;                        ///< per structure; empty without voxels
   std::vector<std::vector<PackedNormal>> boundary_normals;  ///< per class, as in AtlasContent
   std::vector<FittedSurface> fitted;                        ///< per structure, as in AtlasContent
-  /// Number of surfaces whose triangles do not follow from the voxels, see adopt_triangles(). Files store
-  /// them.
+  /// Number of surfaces whose triangles do not follow from voxels, see adopt_triangles(). Files store them.
   std::size_t not_derived = 0;
 };
 

@@ -31,8 +31,7 @@ class LevelField {
     return value - level_;
   }
 
-  /// Calls visit(tap, value) along i, with the border of the grid repeated, and 0 for values that are not
-  /// finite.
+  /// Calls visit(tap, value) along i, with the grid's border repeated, and 0 for values that are not finite.
   template <std::size_t kTaps, typename Visit>
   void visit_row(std::int64_t i, std::int64_t j, std::int64_t k, const Visit& visit) const {
     const auto& [ni, nj, nk] = grid_.size;

@@ -39,8 +39,7 @@ class VertexFinder {
   }
 
  private:
-  /// Four times the offset of its first voxel, plus its axis: one coordinate lies strictly between two
-  /// voxels.
+  /// Four times the offset of its first voxel, plus its axis: one coordinate lies strictly between voxels.
   [[nodiscard]] std::size_t edge_of(const std::array<float, 3>& position) const {
     Index3 voxel;
     std::size_t axis = 3;
@@ -118,8 +117,7 @@ Result<void> append(vtkPolyData& found, const StructureCrop& crop, std::int64_t 
   return {};
 }
 
-/// The contour of scalars on the voxels of a crop, slab by slab: VTK takes tens of bytes a voxel and
-/// triangle.
+/// The contour of scalars on the voxels of a crop, slab by slab: VTK takes tens of bytes for each.
 template <typename VtkArray, typename T>
 Result<EdgeTriangles> extract_contour(const StructureCrop& crop, std::span<const T> scalars, double value) {
   constexpr std::int64_t kSlabVoxels = std::int64_t{1} << 24;

@@ -5,10 +5,9 @@
 #include <vector>
 
 #include "format/result_macros.h"
-#include "preprocess/import/images/nifti/read_nifti.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
+#include "preprocess/import/images/pixels/image_readers.h"
 #include "preprocess/import/images/pixels/read_deflated.h"
-#include "preprocess/import/images/read_mgh.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/require.h"
 #include "tests/fuzz/scratch_file.h"

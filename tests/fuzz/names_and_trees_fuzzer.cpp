@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-#include "preprocess/import/tables/names/read_names.h"
+#include "preprocess/import/tables/names_table.h"
 #include "preprocess/import/tables/text_file.h"
 #include "preprocess/structures/build_graph.h"
 #include "tests/fuzz/fuzz_target.h"

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "format/tasks/parallel.h"
+#include "format/tasks/thread_pool.h"
 #include "tests/reference/cubic.h"
 
 namespace splatlas::reference {

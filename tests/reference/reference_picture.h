@@ -7,7 +7,7 @@
 
 #include "format/content/atlas_content.h"
 #include "format/content/selection.h"
-#include "player/render/view/sample_pattern.h"
+#include "player/render/view/pixel_box.h"
 #include "player/renderer.h"
 
 namespace splatlas::reference {

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "player/render/surfaces/clip_triangle.h"
+#include "player/render/surfaces/screen_triangle.h"
 #include "tests/reference/interpolated_greys.h"
 #include "tests/reference/ray_surfaces.h"
 #include "tests/reference/reference_cut.h"

@@ -39,8 +39,7 @@ struct Atlas::Impl {
   [[nodiscard]] Result<ClassRuns> read_stored_runs(ClassId c, Axis axis) const;
   /// The runs of a class in a run model that is not stored, derived from the z model.
   [[nodiscard]] Result<ClassRuns> derive_runs(ClassId c, Axis axis) const;
-  /// True if the class shares its list in a stored run model with another one. read_split_runs() splits that
-  /// list.
+  /// True if the class shares its list in a stored run model with another one. read_split_runs() splits it.
   [[nodiscard]] bool shares_runs(ClassId c, Axis axis) const;
   using SharedSplit = std::shared_ptr<const SplitRuns>;
   [[nodiscard]] Result<SharedSplit> read_split_runs(ClassId c, Axis axis) const;
@@ -82,8 +81,7 @@ struct Atlas::Impl {
   [[nodiscard]] Result<void> count_runs(ClassId c, Axis axis, std::size_t runs) const;
 
   /// Calls body(), the work of a public function, as a task with the budget, unless the thread works on a
-  /// task already. Excess and std::bad_alloc become kLimit. `purpose`, with its arguments, is empty, or
-  /// begins with " for ".
+  /// task already. Excess and std::bad_alloc become kLimit. `purpose` is empty, or begins with " for ".
   template <typename Body, typename... Args>
   [[nodiscard]] auto guarded(const Body& body, fmt::format_string<const Args&...> purpose = "",
                              const Args&... args) const -> decltype(body()) {

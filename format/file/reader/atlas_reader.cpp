@@ -30,8 +30,7 @@ std::uint64_t known_bytes(const FileLayout& layout) {
   return bytes;
 }
 
-/// Reads and checks header and directory. Each is read once, so that later changes of the file have no
-/// effect.
+/// Reads and checks header and directory. Each is read once: later changes of the file have no effect.
 Result<OpenedDirectory> read_directory(const InputFile& file) {
   std::vector<std::byte> start(std::min<std::uint64_t>(file.size(), sizeof(FileHeader)));
   SPLATLAS_RETURN_IF_ERROR(file.read(0, start));

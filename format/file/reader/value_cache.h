@@ -12,8 +12,7 @@
 
 namespace splatlas {
 
-/// Keeps the values of classes that were decoded with another class of their group, until they are read.
-/// Thread-safe.
+/// Keeps values of classes that were decoded with others of their group, until they are read. Thread-safe.
 class ValueCache {
  public:
   using GroupValues = std::vector<std::vector<std::byte>>;  ///< [class of the group]
@@ -22,8 +21,7 @@ class ValueCache {
   ValueCache(std::size_t groups, std::uint64_t max_bytes) : max_bytes_(max_bytes), slots_(groups) {}
 
   /// Returns the values of the n-th class of a group and removes them from the cache. On a miss, decodes the
-  /// group; other threads that request it wait. Returns the errors of `decode`. The cache is unchanged on
-  /// errors and exceptions.
+  /// group; other threads wait for it. Errors of `decode` and exceptions leave the cache unchanged.
   [[nodiscard]] Result<std::vector<std::byte>> take(std::size_t group, std::size_t n,
                                                     const std::function<Result<GroupValues>()>& decode);
 

@@ -43,14 +43,12 @@ struct FaceClass : FaceStyle {
 }
 /// The style of a solid, which has the opacity of its surface.
 [[nodiscard]] FaceStyle solid_style(StructureIndex structure, const Selection& selection);
-/// The style of a structure's voxels: of a solid if it is one. A volume has its full opacity, a ghost no
-/// face.
+/// The style of a structure's voxels: of a solid if it is one. Volumes have full opacity, ghosts no face.
 [[nodiscard]] FaceStyle face_style(StructureIndex structure, const Selection& selection);
 
 /// Faces by ClassId. If several selected structures contain a voxel, the face is that of the latest term;
 /// within a term, of the structure with the higher index. `plan` must be the plan of `selection`. Structures
-/// of `without` (by StructureIndex; may be empty) have no faces. Cost: linear in the classes and their
-/// memberships.
+/// of `without` (by StructureIndex; may be empty) have none. Linear in the memberships.
 [[nodiscard]] std::vector<FaceClass> face_classes(const ClassTable& classes, const Selection& selection,
                                                   const DrawPlan& plan,
                                                   const std::vector<bool>& without = {});

@@ -53,8 +53,7 @@ struct FaceLayer {
   }
   /// True if a face hides all else of a pixel.
   [[nodiscard]] bool hides(std::size_t pixel) const { return front[pixel].rgba[3] >= 1; }
-  /// Composites the faces of columns [begin, end) of a row with the radiance between them (RGBA, the whole
-  /// row).
+  /// Composites the faces of columns [begin, end) of a row with the radiance between them (RGBA, whole row).
   void add_to_row(std::size_t row, std::int32_t begin, std::int32_t end, float* rgba) const {
     const std::size_t first = row * static_cast<std::size_t>(size.width);
     const auto [shown_first, shown_last] = shown[row];

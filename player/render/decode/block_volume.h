@@ -16,10 +16,9 @@
 
 namespace splatlas {
 
-/// The volume classes of a plan in a grid of blocks (format/content/block_means.h), as voxels of a coarser
+/// The volume classes of a plan in a grid of blocks (format/content/run_model.h), as voxels of a coarser
 /// atlas. A block is of the structure with most voxels in it, and has the mean grey value of its largest part
-/// there. Structures are divided into interior and boundary blocks anew, with normals of their own. Not
-/// thread-safe.
+/// there. Structures are divided into interior and boundary blocks anew, with own normals. Not thread-safe.
 class BlockVolume {
  public:
   /// Reads runs along z and means. Errors of Atlas::read_means(). Cost: linear in the runs, and about 0.1 us

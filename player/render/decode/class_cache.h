@@ -95,8 +95,7 @@ class ClassCache {
   [[nodiscard]] const SurfaceClusters& clusters(StructureIndex s, int level = 0) const {
     return decoded_surface(s, level).clusters;
   }
-  /// Values in memory order of the grid; null for an atlas without values. Defined only at voxels of required
-  /// classes.
+  /// Values in memory order of the grid, defined at voxels of required classes; null for an atlas without.
   [[nodiscard]] const std::byte* values() const { return values_.data(); }
   [[nodiscard]] VoxelType value_type() const { return atlas_->value_type(); }
   [[nodiscard]] std::size_t value_bytes() const { return bytes_of(atlas_->value_type()); }

@@ -16,8 +16,7 @@ namespace splatlas {
 
 /// Gradients of grey values, from selected voxels alone (docs/model.md, "Hybrid shading"): along each axis of
 /// the grid the weighted mean of the differences of all pairs of adjacent selected voxels in the block of
-/// 3x3x3 around a voxel. Linear ramps thus have exact gradients, also at the selection's border. Not
-/// thread-safe.
+/// 3x3x3 around a voxel. Exact for linear ramps, also at the selection's border. Not thread-safe.
 class GreyGradient {
  public:
   /// `runs` and `cache` must outlive this object. The atlas must have values.

@@ -13,8 +13,7 @@ namespace splatlas {
 /// Kernels process whole vectors of at most as many lanes.
 inline constexpr std::size_t kLightPadding = 16;
 
-/// Nine rows of voxels, (slice - 1) * 3 + (row - 1), from the same position on. One more is readable before
-/// it.
+/// Nine rows of voxels, (slice - 1) * 3 + (row - 1), from one position on. One more is readable before.
 struct GreyRows {
   std::array<const float*, 9> values;    ///< 0 where not selected
   std::array<const float*, 9> selected;  ///< 0 or 1

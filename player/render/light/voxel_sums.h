@@ -12,8 +12,7 @@
 
 namespace splatlas {
 
-/// Sums of the optical properties of voxels (1/mm), and of their normals, weighted by the emission that they
-/// light.
+/// Sums of optical properties of voxels (1/mm), and of their normals, weighted by the emission they light.
 struct VoxelSums {
   float extinction = 0;
   std::array<float, 3> emission{};

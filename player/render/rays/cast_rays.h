@@ -33,8 +33,7 @@ struct CastOptions {
   const CutRays* cuts = nullptr;     ///< clips the volume; null: no cut
   const FaceLayer* faces = nullptr;  ///< of the cut, at pixel centres; null: none
   const RayEnds* ends = nullptr;     ///< the volume is composited in front of the picture; null: none
-  /// Numbers of the structures of the pixels, whatever their opacity; null: not asked for. The volume must
-  /// have structure numbers.
+  /// Structures of the pixels, whatever their opacity; null: none. The volume must have structure numbers.
   IdImage* ids = nullptr;
   /// Merges the depths of the volume at pixel centres, by minimum; null: not asked for.
   DepthMap* depths = nullptr;

@@ -67,8 +67,7 @@ struct MarchTrace {
 
   std::array<Step, kSteps> steps;
   std::size_t count = 0;
-  /// Takes the steps, and sets `count` to 0. Kernels call it when the trace is full; the rest is the
-  /// caller's.
+  /// Takes the steps and sets `count` to 0. Kernels call it when the trace is full, the caller at the end.
   void (*take)(MarchTrace& trace) = nullptr;
 };
 
@@ -85,8 +84,7 @@ struct MarchKernels {
   /// trilinear between voxels, sampled at both ends of each step and linear in between. Extinction and
   /// emission of a step are pre-integrated over the grey values from one end to the other (Engel et al.
   /// 2001). So the error is second order in the step size, or of order 3/2 at discontinuities of the transfer
-  /// function. The colour of a step is composited exactly if it is linear in the share of the step's optical
-  /// depth.
+  /// function. A step's colour is exact if linear in the share of its optical depth.
   ///
   /// A slab is the space between two planes of voxels. It is integrated as march_tolerance.h defines, or in n
   /// equal steps. n is the smallest number for which all rays of the packet satisfy

@@ -95,8 +95,7 @@ std::size_t PixelRays::principal_axis(const Lines& lines, std::size_t n) const {
   return voxels(axis) * kMaxForcedSlope >= voxels(principal) ? axis : principal;
 }
 
-/// True if this is the only principal axis of all rays. Counts instead of branching, so that compilers
-/// vectorise the loop.
+/// True if this is the only principal axis of all rays. Counts without branches, to be vectorised.
 bool PixelRays::is_principal(const Lines& lines, std::size_t axis) const {
   if (forced_) return false;
   std::int64_t others = 0;

@@ -14,8 +14,7 @@
 namespace splatlas {
 
 /// SPLATLAS_SIMD in the environment, for comparisons: "scalar" forces the scalar reference kernels; "sse4",
-/// "avx2" and "avx3" the instruction sets of these names, where the machine has them. The library ignores
-/// other values.
+/// "avx2" and "avx3" the instruction sets of these names, where the machine has them. Others are ignored.
 inline std::string_view forced_simd() {
   const char* const forced = std::getenv("SPLATLAS_SIMD");
   return forced != nullptr ? forced : "";
@@ -33,8 +32,7 @@ inline constexpr std::array<std::pair<std::string_view, std::int64_t>, 3> kSimdN
 /// dispatch: hwy::SupportedTargets() alone resets it to all sets that the machine has.
 [[nodiscard]] std::int64_t supported_targets();
 
-/// True unless SPLATLAS_SIMD has an unknown name, or that of an instruction set that the machine or the build
-/// lacks.
+/// True unless SPLATLAS_SIMD names an instruction set that is unknown, or that machine or build lack.
 inline bool simd_is_available() {
   if (forced_simd().empty() || scalar_is_forced()) return true;
   return std::ranges::any_of(kSimdNames, [](const auto& simd) {

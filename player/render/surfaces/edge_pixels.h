@@ -20,21 +20,18 @@ struct SurfacesSeen {
   std::array<float, 4> layers{0, 0, 0, 0};
   float depth = 0;  ///< of the first fragment
 
-  /// Adds the next fragment behind surfaces of the given transmittance. `side` identifies the surface and its
-  /// side.
+  /// Adds the next fragment behind surfaces of this transmittance. `side` identifies surface and side.
   void add(std::uint32_t side, float transmittance, const Fragment& fragment);
 };
 
 /// Thresholds of an edge between two neighbours. Their radiance must differ by more than kEdgeContrast in any
-/// channel. Also, their layers must differ by more than kEdgeLayers, or their depths by more than kEdgeSlope
-/// pixels.
+/// channel. Also, layers must differ by more than kEdgeLayers, or depths by more than kEdgeSlope pixels.
 inline constexpr float kEdgeContrast = 1.0f / 32;
 inline constexpr float kEdgeLayers = 1.0f / 16;
 inline constexpr float kEdgeSlope = 4;
 
 /// Sets `edges` to 1 for every pixel with an edge to one of its four neighbours, else to 0. Edges are visible
-/// silhouettes, borders and intersections. `pixel_voxels` is RasterScene::pixel_voxels. Cost: linear in the
-/// pixels.
+/// silhouettes, borders and intersections. `pixel_voxels` is that of RasterScene.
 void find_edge_pixels(std::span<const SurfacesSeen> seen, const PictureSize& size, float pixel_voxels,
                       std::vector<std::uint8_t>& edges, ThreadPool& pool);
 

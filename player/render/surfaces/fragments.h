@@ -8,7 +8,7 @@
 
 #include "format/content/structure_graph.h"
 #include "player/render/clip/face_layer.h"
-#include "player/render/view/sample_pattern.h"
+#include "player/render/view/pixel_box.h"
 
 namespace splatlas {
 

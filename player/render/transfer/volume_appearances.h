@@ -21,8 +21,7 @@ struct VolumeAppearance {
   float extinction_per_mm = 0;              ///< maximum of the transfer function
   const TransferTable* transfer = nullptr;  ///< null for classes that are not drawn as volume
 
-  /// Classifies `count` voxels; arguments and outputs as for TransferTable::look_up(). `transfer` must not be
-  /// null.
+  /// Classifies `count` voxels; arguments as of TransferTable::look_up(). `transfer` must not be null.
   template <typename... Output>
   void look_up(const std::byte* values, std::size_t first, std::size_t stride, std::size_t count,
                Output*... outputs) const {

@@ -75,8 +75,7 @@ class FitFrame {
   double half_width_, half_height_;
 };
 
-/// The camera. kFailed if its centre is beyond kMaxMm, as views refuse it; the message does not name the
-/// atlas.
+/// The camera. kFailed if its centre is beyond kMaxMm, as views refuse it; the message names no atlas.
 [[nodiscard]] Result<Camera> within_reach(const Camera& fitted);
 
 }  // namespace splatlas

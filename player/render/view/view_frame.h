@@ -27,8 +27,7 @@ class ViewDepth {
  public:
   ViewDepth(const View& view, const Grid& grid);
 
-  /// Depth at which the ray through picture coordinates (x, y) reaches the continuous `index` along a grid
-  /// axis.
+  /// Depth at which the ray through picture coordinates (x, y) reaches a continuous index along a grid axis.
   [[nodiscard]] double mm(double x, double y, std::size_t axis, double index) const {
     const double on_plane = frame_.corner[axis] + x * frame_.right[axis] + y * frame_.down[axis];
     if (!perspective_) return (index - on_plane) / frame_.forward[axis];

@@ -12,11 +12,9 @@
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
 #include "preprocess/import/images/dicom/import_dicom.h"
-#include "preprocess/import/images/itk/read_itk_image.h"
-#include "preprocess/import/images/nifti/read_nifti.h"
 #include "preprocess/import/images/pictures/read_pictures.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
-#include "preprocess/import/images/read_mgh.h"
+#include "preprocess/import/images/pixels/image_readers.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/isolation/run_isolated.h"
 #include "preprocess/import/tables/text_file.h"
@@ -64,8 +62,7 @@ bool is_dicom_source(const fs::path& path) {
   return !(is_folder(path) && holds_image_files(path)) && is_dicom(path);
 }
 
-/// A folder is a stack if it holds pictures, and no images of other kinds: those may have previews beside
-/// them.
+/// A folder is a stack if it holds pictures, and no other images, which may have previews beside them.
 bool is_picture_stack(const fs::path& path) {
   if (!is_folder(path)) return is_picture(path);
   bool has_pictures = false;
@@ -75,18 +72,12 @@ bool is_picture_stack(const fs::path& path) {
   return has_pictures && !holds_image_files(path);
 }
 
-template <Result<SourceImage> (*read)(const fs::path&)>
-Result<SourceImage> without_options(const fs::path& path, const ImageOptions&) {
-  return read(path);
-}
-
 /// In the order in which they are tried.
 constexpr std::array kFormats{
-    ImageFormatEntry{"NIfTI or Analyze (.nii, .nii.gz, .hdr with .img)", is_nifti,
-                     without_options<read_nifti>},
-    ImageFormatEntry{"NRRD (.nrrd, .nhdr, .seg.nrrd)", is_nrrd, without_options<read_nrrd>},
-    ImageFormatEntry{"MetaImage (.mha, .mhd)", is_meta_image, without_options<read_meta_image>},
-    ImageFormatEntry{"FreeSurfer (.mgz, .mgh)", is_mgh, without_options<read_mgh>},
+    ImageFormatEntry{"NIfTI or Analyze (.nii, .nii.gz, .hdr with .img)", is_nifti, read_nifti},
+    ImageFormatEntry{"NRRD (.nrrd, .nhdr, .seg.nrrd)", is_nrrd, read_nrrd},
+    ImageFormatEntry{"MetaImage (.mha, .mhd)", is_meta_image, read_meta_image},
+    ImageFormatEntry{"FreeSurfer (.mgz, .mgh)", is_mgh, read_mgh},
     ImageFormatEntry{"DICOM (files or a folder)", is_dicom_source, import_dicom},
     ImageFormatEntry{"TIFF or PNG, one file or a folder of slices, with --spacing", is_picture_stack,
                      read_pictures},

@@ -1,14 +1,11 @@
-#include "preprocess/import/images/read_mgh.h"
-
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstring>
-#include <span>
 
 #include "format/result_macros.h"
 #include "preprocess/import/images/nifti/nifti_header.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
+#include "preprocess/import/images/pixels/image_readers.h"
 #include "preprocess/import/images/pixels/read_deflated.h"
 #include "preprocess/import/import_error.h"
 
@@ -25,15 +22,6 @@ const NoteKind kNoMghOrientation{
     "no-orientation-mgh", "MGH file has no orientation; FreeSurfer's default (coronal, 1 mm) is used",
     "MGH files have no orientation; FreeSurfer's default (coronal, 1 mm) is used", true};
 
-template <typename T>
-T number_at(std::span<const std::byte> header, std::size_t offset) {
-  std::array<std::byte, sizeof(T)> field{};
-  std::ranges::copy(header.subspan(offset, sizeof(T)), field.rbegin());
-  T value;
-  std::memcpy(&value, field.data(), sizeof(T));
-  return value;
-}
-
 Result<VoxelType> mgh_type(std::int32_t type, const fs::path& path) {
   switch (type) {
     case 0: return VoxelType::kUInt8;
@@ -46,14 +34,13 @@ Result<VoxelType> mgh_type(std::int32_t type, const fs::path& path) {
 }
 
 /// The affine from indices to RAS mm: spacing, axes and the position of the centre, index size / 2.
-Result<Grid> mgh_grid(std::span<const std::byte> header, const Index3& size, const fs::path& path,
-                      Notes& notes) {
+Result<Grid> mgh_grid(const Fields& header, const Index3& size, const fs::path& path, Notes& notes) {
   std::array<float, 3> spacing{1, 1, 1}, center{0, 0, 0};
   std::array<float, 9> axes{-1, 0, 0, 0, 0, -1, 0, 1, 0};  // x, y and z, each as r, a and s
-  if (number_at<std::int16_t>(header, 28) > 0) {
-    for (std::size_t n = 0; n < 3; ++n) spacing[n] = number_at<float>(header, 30 + 4 * n);
-    for (std::size_t n = 0; n < 9; ++n) axes[n] = number_at<float>(header, 42 + 4 * n);
-    for (std::size_t n = 0; n < 3; ++n) center[n] = number_at<float>(header, 78 + 4 * n);
+  if (header.get<std::int16_t>(28) > 0) {
+    header.get_all<float>(30, spacing);
+    header.get_all<float>(42, axes);
+    header.get_all<float>(78, center);
   } else {
     notes.add(kNoMghOrientation, path.string());
   }
@@ -81,19 +68,20 @@ Result<Grid> mgh_grid(std::span<const std::byte> header, const Index3& size, con
 
 }  // namespace
 
-Result<SourceImage> read_mgh(const fs::path& path) {
+Result<SourceImage> read_mgh(const fs::path& path, const ImageOptions& /*options*/) {
   SPLATLAS_ASSIGN_OR_RETURN(GzipFile file, GzipFile::open(path));
-  std::vector<std::byte> header(kHeaderBytes);
-  SPLATLAS_ASSIGN_OR_RETURN(const std::size_t found, file.read_some(header));
-  if (found < kHeaderBytes || number_at<std::int32_t>(header, 0) != 1)
+  std::vector<std::byte> head(kHeaderBytes);
+  SPLATLAS_ASSIGN_OR_RETURN(const std::size_t found, file.read_some(head));
+  const Fields header(head, /*is_swapped=*/true);
+  if (found < kHeaderBytes || header.get<std::int32_t>(0) != 1)
     return bad_file(path, "is not an MGH file (no version 1 at its start)");
   std::array<std::int64_t, 4> sizes{};  // the last one counts frames
-  for (std::size_t n = 0; n < 4; ++n) sizes[n] = number_at<std::int32_t>(header, 4 + 4 * n);
+  header.get_all<std::int32_t>(4, sizes);
   if (sizes[0] > 1024 && sizes[1] == 1 && sizes[2] == 1)
     return bad_file(path, "holds {} values of the vertices of a surface, and no volume", sizes[0]);
 
   SourceImage image;
-  SPLATLAS_ASSIGN_OR_RETURN(image.voxels.type, mgh_type(number_at<std::int32_t>(header, 20), path));
+  SPLATLAS_ASSIGN_OR_RETURN(image.voxels.type, mgh_type(header.get<std::int32_t>(20), path));
   SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t bytes,
                             payload_bytes(path, sizes, bytes_of(image.voxels.type)));
   SPLATLAS_RETURN_IF_ERROR(

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -20,9 +19,9 @@
 namespace splatlas {
 
 template <typename T>
-concept ArchivedAsBytes = std::is_arithmetic_v<T> || std::is_enum_v<T>;
+concept ArchivedAsBytes = std::is_trivially_copyable_v<T>;
 
-/// Moves values from memory to a file, or back. Structs are moved by their function
+/// Moves values from memory to a file, or back. Structs with strings and lists are moved by their function
 /// `transfer(archive, value)`, which passes all members to the archive. Checks every length that it reads
 /// against the bytes that are left: the writer may have been damaged by its input.
 class Archive {
@@ -67,10 +66,6 @@ class Archive {
     const std::size_t count = move_length(values.size());
     for (std::size_t n = 0; n < count && good_; ++n) move(reads_ ? values.emplace_back() : values[n]);
   }
-  template <typename T, std::size_t N>
-  void move(std::array<T, N>& values) {
-    for (T& value : values) move(value);
-  }
   template <typename T>
   void move(std::optional<T>& value) {
     bool has_value = value.has_value();
@@ -78,7 +73,9 @@ class Archive {
     if (has_value) move(reads_ ? value.emplace() : *value);
   }
   template <typename T>
-  requires(std::is_class_v<T>) void move(T& value) { transfer(*this, value); }
+  void move(T& value) {
+    transfer(*this, value);
+  }
 
   /// A count of items of a byte or more; 0 if so many cannot follow.
   std::size_t move_length(std::uint64_t count) {

@@ -60,8 +60,7 @@ void take_in_order(const std::vector<StructureIndex>& order, ImportedLabels& lab
   labels.memberships.renumber(new_numbers);
 }
 
-/// Sorts structures by descending number of voxels, so that the more specific of two that overlap has the
-/// higher number.
+/// Sorts structures by descending number of voxels: the more specific of two that overlap is the later.
 void sort_by_size(ImportedLabels& labels, const std::vector<std::uint64_t>& counts) {
   std::vector<StructureIndex> order(counts.size());
   std::iota(order.begin(), order.end(), StructureIndex{0});

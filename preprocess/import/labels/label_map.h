@@ -37,8 +37,7 @@ struct ImportedLabels {
 
 /// Every value above 0 is a structure: named by the file's segments, else "Label 7". `name` stands for the
 /// file in messages. kFailed, with the value, for labels that are negative, fractional, or 2^32 and above;
-/// for several layers; and for grey values: at least 64 values of which neighbours mostly differ. Cost: two
-/// passes.
+/// for several layers; and for grey values: at least 64 values of which neighbours mostly differ.
 [[nodiscard]] Result<ImportedLabels> read_label_map(SourceImage image, const std::string& name);
 
 /// Gives structures the names, codes, colours and terms of `names`: by label, or masks by name or key. Notes

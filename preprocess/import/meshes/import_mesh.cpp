@@ -122,15 +122,12 @@ Result<void> check_corners(vtkPolyData& polygons, const fs::path& path) {
 }
 
 bool has_area(const std::array<Vec3, 3>& corners) {
-  Vec3 a, b;
-  for (std::size_t n = 0; n < 3; ++n) {
-    for (const Vec3& corner : corners) {
-      if (!(std::abs(corner[n]) <= kMaxMeshMm)) return false;
+  for (const Vec3& corner : corners) {
+    for (const double mm : corner) {
+      if (!(std::abs(mm) <= kMaxMeshMm)) return false;
     }
-    a[n] = corners[1][n] - corners[0][n];
-    b[n] = corners[2][n] - corners[0][n];
   }
-  const Vec3 normal = cross(a, b);
+  const Vec3 normal = cross(difference(corners[1], corners[0]), difference(corners[2], corners[0]));
   return dot(normal, normal) > 0;
 }
 
@@ -241,12 +238,8 @@ Result<TriangleMesh> import_mesh(const fs::path& path, MeshFrame frame) {
 std::vector<std::array<float, 3>> vertex_normals(const TriangleMesh& mesh) {
   std::vector<Vec3> sums(mesh.positions_lps_mm.size(), Vec3{0, 0, 0});
   for (const auto& [a, b, c] : mesh.triangles) {
-    Vec3 u, v;
-    for (std::size_t n = 0; n < 3; ++n) {
-      u[n] = mesh.positions_lps_mm[b][n] - mesh.positions_lps_mm[a][n];
-      v[n] = mesh.positions_lps_mm[c][n] - mesh.positions_lps_mm[a][n];
-    }
-    const Vec3 normal = cross(u, v);
+    const auto& at = mesh.positions_lps_mm;
+    const Vec3 normal = cross(difference(at[b], at[a]), difference(at[c], at[a]));
     for (const std::uint32_t vertex : {a, b, c}) {
       for (std::size_t n = 0; n < 3; ++n) sums[vertex][n] += normal[n];
     }

@@ -7,13 +7,11 @@
 
 namespace splatlas {
 
-/// Initialises VTK's object factories, and silences its output window in this process. VTK's own
-/// initialisation at its first object is not thread-safe: call this before threads use VTK. Thread-safe; only
-/// the first call acts.
+/// Initialises VTK's object factories, and silences its output window in this process. VTK's own at its first
+/// object is not thread-safe: call this before threads use VTK. Thread-safe; only the first call acts.
 void initialize_vtk();
 
-/// Runs filter.Update() and returns VTK's first error or warning, in one line; empty if there is none.
-/// Calls initialize_vtk().
+/// Runs filter.Update() and returns VTK's first error or warning, in one line; else empty. Initialises VTK.
 [[nodiscard]] std::string update_quietly(vtkAlgorithm& filter);
 
 }  // namespace splatlas

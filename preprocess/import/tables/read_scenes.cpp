@@ -11,7 +11,6 @@
 #include <toml++/toml.h>
 
 #include "format/content/cut_planes.h"
-#include "format/content/frame_center.h"
 #include "format/content/selection.h"
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"

@@ -6,7 +6,6 @@
 
 #include "format/result.h"
 #include "preprocess/import/notes.h"
-#include "preprocess/import/tables/names/read_names.h"
 #include "preprocess/import/tables/names_table.h"
 
 namespace splatlas {

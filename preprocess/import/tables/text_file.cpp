@@ -1,12 +1,13 @@
 #include "preprocess/import/tables/text_file.h"
 
 #include <algorithm>
-#include <charconv>
 #include <fstream>
+#include <memory>
 #include <system_error>
 
 #include <fmt/format.h>
 #include <utf8cpp/utf8.h>
+#include <xxhash.h>
 
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
@@ -32,6 +33,19 @@ class LineReader {
   std::string_view text_;
   std::size_t start_ = 0;
 };
+
+/// The file itself, or the regular files of a folder in the order of their paths.
+std::vector<std::filesystem::path> regular_files_of(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(path, error)) return {path};
+  std::vector<std::filesystem::path> files;
+  for (std::filesystem::recursive_directory_iterator entry(path, error), end; !error && entry != end;
+       entry.increment(error)) {
+    if (entry->is_regular_file(error)) files.push_back(entry->path());
+  }
+  std::ranges::sort(files);
+  return files;
+}
 
 }  // namespace
 
@@ -95,6 +109,26 @@ std::string first_bytes(const std::filesystem::path& path, std::size_t count) {
   return bytes;
 }
 
+Result<std::string> hash_file(const std::filesystem::path& path) {
+  struct FreeState {
+    void operator()(XXH64_state_t* state) const { XXH64_freeState(state); }
+  };
+  const std::unique_ptr<XXH64_state_t, FreeState> state(XXH64_createState());
+  if (!state) return fail(ErrorCode::kLimit, path.string() + ": out of memory");
+  XXH64_reset(state.get(), 0);
+  std::vector<char> block(1 << 18);
+  for (const std::filesystem::path& name : regular_files_of(path)) {
+    std::ifstream file(name, std::ios::binary);
+    if (!file) return bad_file(name, "cannot be read");
+    while (file) {
+      file.read(block.data(), static_cast<std::streamsize>(block.size()));
+      XXH64_update(state.get(), block.data(), static_cast<std::size_t>(file.gcount()));
+    }
+    if (file.bad()) return bad_file(name, "cannot be read");
+  }
+  return fmt::format("xxh64:{:016x}", XXH64_digest(state.get()));
+}
+
 std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos) return {};
@@ -124,22 +158,17 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
 
 namespace {
 
-template <typename Number>
-std::optional<Number> parse_whole(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  Number value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
+std::string_view without_plus(std::string_view text) {
+  return text.starts_with('+') ? text.substr(1) : text;
 }
 
 }  // namespace
 
 std::optional<std::int64_t> parse_integer(std::string_view text) {
-  return parse_whole<std::int64_t>(text);
+  return parse_number<std::int64_t>(without_plus(text));
 }
 std::optional<double> parse_number(std::string_view text) {
-  return parse_whole<double>(text);
+  return parse_number<double>(without_plus(text));
 }
 
 Result<void> check_structure_name(std::string_view name) {

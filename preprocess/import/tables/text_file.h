@@ -1,4 +1,4 @@
-// Reader of small text files, text parsing helpers, and structure names.
+// Reader of small text files, hashes of files, text parsing helpers, and structure names.
 #pragma once
 
 #include <cstddef>
@@ -21,8 +21,7 @@ struct TextLine {
   std::string text;        ///< trimmed
 };
 
-/// Reads a UTF-8 file of at most 16 MiB, without its byte order mark. kFailed if it cannot be read or is not
-/// plain text.
+/// Reads a UTF-8 file of at most 16 MiB, without its byte order mark. kFailed unless it is plain text.
 [[nodiscard]] Result<std::string> read_text(const std::filesystem::path& path);
 
 /// The lines of a text with any line endings, without blank lines and lines that start with "#".
@@ -37,6 +36,10 @@ struct TextLine {
 
 /// The first `count` bytes of a file, or all that it has; none if it cannot be read.
 [[nodiscard]] std::string first_bytes(const std::filesystem::path& path, std::size_t count);
+
+/// "xxh64:" and 16 hexadecimal digits, as printed by `xxh64sum FILE`. Reads the file once; of a folder all
+/// regular files, in the order of their paths, as one. kFailed if one cannot be read.
+[[nodiscard]] Result<std::string> hash_file(const std::filesystem::path& path);
 
 /// Removes white space at both ends.
 [[nodiscard]] std::string_view trimmed(std::string_view text);

@@ -6,9 +6,6 @@
 
 namespace splatlas {
 
-void transfer(auto& archive, Rgb& color) {
-  archive(color.r, color.g, color.b);
-}
 void transfer(auto& archive, Term& term) {
   archive(term.vocabulary, term.value);
 }
@@ -24,20 +21,13 @@ void transfer(auto& archive, Note& note) {
 }
 void transfer(auto& archive, LabelName& name) {
   transfer(archive, static_cast<SourceStructure&>(name));
-  std::uint64_t line = name.line;
-  archive(line, name.key);
-  name.line = static_cast<std::size_t>(line);
-}
-void transfer(auto& archive, ColorRange& range) {
-  archive(range.first, range.last);
+  archive(name.line, name.key);
 }
 void transfer(auto& archive, TreeNode& node) {
   archive(node.key, node.name, node.label, node.parents);
 }
 void transfer(auto& archive, TreeLine& line) {
-  std::uint64_t number = line.number;
-  archive(number, line.groups, line.member, line.color, line.node);
-  line.number = static_cast<std::size_t>(number);
+  archive(line.number, line.groups, line.member, line.color, line.node);
 }
 void transfer(auto& archive, NamesTable& table) {
   archive(table.dialect, table.names, table.hierarchy);

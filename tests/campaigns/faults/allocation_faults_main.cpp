@@ -24,7 +24,6 @@
 #include "format/file/reader/value_cache.h"
 #include "format/io/checksum.h"
 #include "format/result_macros.h"
-#include "format/tasks/parallel.h"
 #include "format/tasks/thread_pool.h"
 #include "player/renderer.h"
 #include "player/write_png.h"

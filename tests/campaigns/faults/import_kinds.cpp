@@ -4,7 +4,7 @@
 #include <map>
 
 #include "format/text/ascii_text.h"
-#include "preprocess/commands/build_report.h"
+#include "preprocess/commands/commands.h"
 #include "preprocess/import/images/import_image.h"
 #include "preprocess/import/labels/import_labels.h"
 #include "preprocess/import/meshes/import_mesh.h"

@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "format/derive/net_builder.h"
 #include "tests/format/derive/masks.h"
 #include "tests/format/random_volume.h"
 

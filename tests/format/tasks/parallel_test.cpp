@@ -1,9 +1,9 @@
-#include "format/tasks/parallel.h"
-
 #include <stdexcept>
 #include <string>
 
 #include <gtest/gtest.h>
+
+#include "format/tasks/thread_pool.h"
 
 namespace splatlas {
 namespace {

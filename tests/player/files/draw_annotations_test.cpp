@@ -108,7 +108,7 @@ struct DrawText : testing::Test {
     ASSERT_TRUE(ready) << ready.error().message;
   }
   [[nodiscard]] TextCoverage drawn(const std::string& text, double x, double size) const {
-    const auto coverage = drawer.draw({text, x, 30, 0, size, FontStyle::kRegular, {}});
+    const auto coverage = drawer->draw({text, x, 30, 0, size, FontStyle::kRegular, {}});
     EXPECT_TRUE(coverage);
     return coverage.value_or(TextCoverage{});
   }
@@ -116,28 +116,28 @@ struct DrawText : testing::Test {
 
 /// The library that was used before drew each byte outside ASCII as a letter.
 TEST_F(DrawText, ShapesEveryScript) {
-  const double latin = drawer.width("Groesse", 20, FontStyle::kRegular);
-  EXPECT_LT(drawer.width("Gr\xc3\xb6\xc3\x9f"
-                         "e",
-                         20, FontStyle::kRegular),
+  const double latin = drawer->width("Groesse", 20, FontStyle::kRegular);
+  EXPECT_LT(drawer->width("Gr\xc3\xb6\xc3\x9f"
+                          "e",
+                          20, FontStyle::kRegular),
             latin);
-  EXPECT_NEAR(drawer.width("e\xcc\x81", 20, FontStyle::kRegular), drawer.width("e", 20, FontStyle::kRegular),
-              0.1)
+  EXPECT_NEAR(drawer->width("e\xcc\x81", 20, FontStyle::kRegular),
+              drawer->width("e", 20, FontStyle::kRegular), 0.1)
       << "a combining accent";
-  EXPECT_FALSE(drawer.lacks_glyphs(
+  EXPECT_FALSE(drawer->lacks_glyphs(
       "Gr\xc3\xb6\xc3\x9f"
       "e \xd0\x9b\xd0\xb5\xd0\xb2\xd0\xbe\xd0\xb5 \xd7\xa1\xd7\x95\xd7\xa3 \xd9\x85\xd8\xae"));
-  EXPECT_TRUE(drawer.lacks_glyphs("\xf4\x80\x80\x80")) << "private use";
+  EXPECT_TRUE(drawer->lacks_glyphs("\xf4\x80\x80\x80")) << "private use";
   // Arabic letters join: less wide than apart
-  EXPECT_LT(drawer.width("\xd9\x85\xd8\xae", 20, FontStyle::kRegular),
-            drawer.width("\xd9\x85 \xd8\xae", 20, FontStyle::kRegular) -
-                drawer.width(" ", 20, FontStyle::kRegular) - 1);
+  EXPECT_LT(drawer->width("\xd9\x85\xd8\xae", 20, FontStyle::kRegular),
+            drawer->width("\xd9\x85 \xd8\xae", 20, FontStyle::kRegular) -
+                drawer->width(" ", 20, FontStyle::kRegular) - 1);
 }
 
 TEST_F(DrawText, IsAsWideAsMeasuredAtAnySizeAndPlace) {
   for (const double size : {9.0, 12.5, 40.0}) {
-    const double width = drawer.width("HillH", size, FontStyle::kRegular);
-    EXPECT_NEAR(width, size * drawer.width("HillH", 1000, FontStyle::kRegular) / 1000, 0.02);
+    const double width = drawer->width("HillH", size, FontStyle::kRegular);
+    EXPECT_NEAR(width, size * drawer->width("HillH", 1000, FontStyle::kRegular) / 1000, 0.02);
     for (const double x : {10.0, 10.25, 10.5}) {
       const TextCoverage text = drawn("HillH", x, size);
       const std::vector<bool> columns = columns_of(text);

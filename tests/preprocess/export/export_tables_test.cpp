@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "preprocess/import/tables/names/read_names.h"
+#include "preprocess/import/tables/names_table.h"
 #include "preprocess/import/tables/read_tree.h"
 #include "preprocess/structures/build_graph.h"
 #include "tests/support/fails_with.h"

@@ -9,7 +9,7 @@
 
 #include "format/atlas_reader.h"
 #include "preprocess/atlas/build_atlas.h"
-#include "preprocess/commands/build_report.h"
+#include "preprocess/commands/commands.h"
 #include "tests/preprocess/import/images/dicom/dicom_files.h"
 #include "tests/preprocess/import/planted_files.h"
 #include "tests/preprocess/import/side_volumes.h"

@@ -93,8 +93,7 @@ struct Rays {
     const auto plane = Max(Floor(before), Floor(behind));
     return Mul(Sub(plane, across_origin_[other]), t_per_across_[other]);
   }
-  /// True if two cells that are `distance` apart are neighbours along both minor axes. False for rays without
-  /// a principal axis.
+  /// True if cells `distance` apart are neighbours along both minor axes. False without a principal axis.
   HWY_INLINE IntMask IsDiagonal(IntVector distance) const {
     const auto cells = Abs(distance);
     const auto apart = Sub(across[1], across[0]), together = Add(across[1], across[0]);

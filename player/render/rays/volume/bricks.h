@@ -35,8 +35,7 @@ struct BrickMask {
   std::vector<std::uint8_t> bricks;
 };
 
-/// Summed-area table of a mask, as MarchSource::active (Crow 1984): O(1) emptiness test for any box of
-/// bricks.
+/// Summed-area table of a mask, as MarchSource::active (Crow 1984): O(1) emptiness test of a box.
 [[nodiscard]] std::vector<std::uint32_t> brick_sums(const BrickMask& mask);
 
 /// Minimum and maximum grey value at the corners of the cells of each brick, for one slice of bricks.
@@ -72,8 +71,7 @@ class BrickRanges {
     }
   }
 
-  /// Range of a brick, including the value 0 of absent voxels if there are any. False for a brick without
-  /// voxels.
+  /// Range of a brick, including the value 0 of any absent voxels. False for a brick without voxels.
   bool range(std::size_t brick, float& low, float& high) const {
     constexpr std::int64_t kVoxels = (kSide + 1) * (kSide + 1) * (kSide + 1);
     const Range& range = ranges_[brick];

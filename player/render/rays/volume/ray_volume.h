@@ -47,8 +47,7 @@ struct RayVolumeRequest {
 
 /// The sources of a selection. Classes with equal transfer functions share a source. Their grey values are
 /// interpolated together, with 0 for all other voxels; their colours are interpolated with the weights of
-/// their voxels. Structures that cannot be post-classified (see grey_scale()) are pre-classified and share
-/// one source.
+/// their voxels. Structures that are not post-classified (see grey_scale()) share one source.
 class RayVolume {
  public:
   /// kLimit for more memory than allowed, more than kMaxSources different transfer functions, or a box of

@@ -1,12 +1,12 @@
 #include "preprocess/import/images/dicom/dicom_item.h"
 
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <string_view>
 
 #include "preprocess/import/import_error.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {
@@ -20,12 +20,8 @@ std::string_view without_padding(std::string_view text) {
 }
 
 std::optional<double> parsed(std::string_view text) {
-  text = without_padding(text);
-  if (text.starts_with('+')) text.remove_prefix(1);
-  double number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(number)) return std::nullopt;
-  return number;
+  const auto number = parse_number(without_padding(text));
+  return number && std::isfinite(*number) ? number : std::nullopt;
 }
 
 }  // namespace

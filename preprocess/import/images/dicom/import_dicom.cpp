@@ -1,7 +1,6 @@
 #include "preprocess/import/images/dicom/import_dicom.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -9,6 +8,7 @@
 
 #include "format/content/voxel_type.h"
 #include "format/result_macros.h"
+#include "format/text/ascii_text.h"
 #include "preprocess/import/images/dicom/decode/decode_frame.h"
 #include "preprocess/import/images/dicom/dicom_item.h"
 #include "preprocess/import/images/dicom/read_frames.h"
@@ -127,11 +127,8 @@ Result<std::size_t> chosen_stack(const Stacks& stacks, const std::string& series
     if (stacks.size() == 1) return 0;
     return fail(ErrorCode::kUsage, "{}: {}", path.string(), list_of(stacks));
   }
-  std::size_t number = 0;
-  const char* const end = series.data() + series.size();
-  if (const auto parsed = std::from_chars(series.data(), end, number);
-      parsed.ec == std::errc{} && parsed.ptr == end) {
-    if (number >= 1 && number <= stacks.size()) return number - 1;
+  if (const auto number = parse_number<std::size_t>(series)) {
+    if (*number >= 1 && *number <= stacks.size()) return *number - 1;
   } else {
     const auto first = std::ranges::find(stacks, series, uid_of);
     const auto count = std::ranges::count(stacks, series, uid_of);

@@ -204,8 +204,7 @@ Result<void> check_frame_count(DcmItem& dataset, std::int64_t count, std::size_t
   return fail(ErrorCode::kFailed, "has {} frames, but the geometry of {}; get the file again", count, groups);
 }
 
-/// Reads a frame's geometry, value scale, segment and kind. kFailed if the geometry is missing or no
-/// rotation.
+/// Reads a frame's geometry, value scale, segment and kind. kFailed without a geometry that rotates.
 Result<void> read_frame(const FrameGroups& groups, DicomFrame& frame) {
   SPLATLAS_RETURN_IF_ERROR(read_geometry(groups, frame));
   if (!frame.is_segmentation) {

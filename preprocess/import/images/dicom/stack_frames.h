@@ -72,8 +72,7 @@ struct SliceSteps {
 };
 [[nodiscard]] SliceSteps slice_steps(std::span<const SlicePosition> positions);
 
-/// Maximum deviation of a slice from its place: 1 % of the step, at least the rounding of 0.01 mm in
-/// positions.
+/// Maximum deviation of a slice: 1 % of the step, at least the rounding of 0.01 mm in positions.
 [[nodiscard]] double max_deviation_mm(double step_mm);
 
 /// "(0, 0, 12.5)", for messages.

@@ -1,5 +1,3 @@
-#include "preprocess/import/images/itk/read_itk_image.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -12,6 +10,7 @@
 #include "format/result_macros.h"
 #include "preprocess/import/images/itk/itk_call.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
+#include "preprocess/import/images/pixels/image_readers.h"
 #include "preprocess/import/images/pixels/read_deflated.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/text_file.h"
@@ -24,18 +23,17 @@ namespace fs = std::filesystem;
 const NoteKind kNoSpace{"no-space", "NRRD file names no anatomical space and is read as LPS",
                         "NRRD files name no anatomical space and are read as LPS", true};
 
-WideInteger wide_integer_of(itk::IOComponentEnum component) {
+StoredType stored_type(itk::IOComponentEnum component) {
   switch (component) {
     case itk::IOComponentEnum::LONG:
-    case itk::IOComponentEnum::LONGLONG: return WideInteger::kSigned;
+    case itk::IOComponentEnum::LONGLONG: return {VoxelType::kNone, WideInteger::kSigned};
     case itk::IOComponentEnum::ULONG:
-    case itk::IOComponentEnum::ULONGLONG: return WideInteger::kUnsigned;
-    default: return WideInteger::kNone;
+    case itk::IOComponentEnum::ULONGLONG: return {VoxelType::kNone, WideInteger::kUnsigned};
+    default: return {voxel_type_of(component), WideInteger::kNone};
   }
 }
 
-/// The pixels in the order of the file. MetaIO ignores damage in compressed ones, so ITK reads only plain
-/// ones.
+/// The pixels in the order of the file. MetaIO ignores damage in compressed ones: ITK reads only plain ones.
 Result<std::vector<std::byte>> read_pixels(itk::ImageIOBase& io, const PixelData& pixels, std::uint64_t bytes,
                                            std::size_t bytes_each) {
   std::vector<std::byte> result;
@@ -75,12 +73,11 @@ Result<SourceImage> read_with(itk::ImageIOBase& io, const fs::path& path, const 
   SourceImage image;
   image.grid = grid_of(io);
   SPLATLAS_RETURN_IF_ERROR(validate(image.grid, name));
-  const WideInteger wide = wide_integer_of(io.GetComponentType());
-  image.voxels.type = voxel_type_of(io.GetComponentType());
-  if (image.voxels.type == VoxelType::kNone && wide == WideInteger::kNone)
+  const StoredType type = stored_type(io.GetComponentType());
+  if (type == StoredType())
     return bad_pixel_type(path, "type " + itk::ImageIOBase::GetComponentTypeAsString(io.GetComponentType()));
   image.layers = pixels.layers;
-  const std::size_t bytes_each = wide == WideInteger::kNone ? bytes_of(image.voxels.type) : 8;
+  const std::size_t bytes_each = type.bytes();
   const std::uint64_t bytes = static_cast<std::uint64_t>(image.grid.voxels()) * image.layers * bytes_each;
   if (pixels.bytes != bytes)
     return bad_file(path, "has {} bytes of pixels by its header, {} by ITK's reading", pixels.bytes, bytes);
@@ -89,11 +86,7 @@ Result<SourceImage> read_with(itk::ImageIOBase& io, const fs::path& path, const 
   const bool are_mixed =
       pixels.layers_first || (pixels.compression == Compression::kNone && io.GetNumberOfComponents() > 1);
   if (are_mixed && image.layers > 1) read = separate_layers(read, image.layers, bytes_each);
-  if (wide == WideInteger::kNone) {
-    image.voxels.bytes = std::move(read);
-  } else {
-    SPLATLAS_ASSIGN_OR_RETURN(image.voxels, narrow_integers(read, wide, path));
-  }
+  SPLATLAS_ASSIGN_OR_RETURN(image.voxels, voxels_of(std::move(read), type, path));
   return image;
 }
 
@@ -156,7 +149,7 @@ std::vector<SourceSegment> segments_of_nrrd(const std::map<std::string, std::str
 
 }  // namespace
 
-Result<SourceImage> read_nrrd(const fs::path& path) {
+Result<SourceImage> read_nrrd(const fs::path& path, const ImageOptions& /*options*/) {
   return call_itk(path.string(), [&]() -> Result<SourceImage> {
     SPLATLAS_ASSIGN_OR_RETURN(const PixelData pixels, check_nrrd_file(path));
     SPLATLAS_ASSIGN_OR_RETURN(SourceImage image, read_with(*itk::NrrdImageIO::New(), path, pixels));
@@ -177,7 +170,7 @@ Result<SourceImage> read_nrrd(const fs::path& path) {
   });
 }
 
-Result<SourceImage> read_meta_image(const fs::path& path) {
+Result<SourceImage> read_meta_image(const fs::path& path, const ImageOptions& /*options*/) {
   return call_itk(path.string(), [&]() -> Result<SourceImage> {
     SPLATLAS_ASSIGN_OR_RETURN(const PixelData pixels, check_meta_image_file(path));
     return read_with(*itk::MetaImageIO::New(), path, pixels);

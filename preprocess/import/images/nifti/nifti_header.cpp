@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -167,33 +166,6 @@ Result<Affine12> choose_affine(const NiftiHeader& header, const std::filesystem:
   notes.add(kNoOrientation, path.string());
   return affine_without_orientation(header);
 }
-
-/// Numbers at byte offsets, in the byte order of the file.
-class Fields {
- public:
-  Fields(std::span<const std::byte> bytes, bool is_swapped) : bytes_(bytes), is_swapped_(is_swapped) {}
-
-  template <typename T>
-  [[nodiscard]] T get(std::size_t offset) const {
-    std::array<std::byte, sizeof(T)> field{};
-    std::ranges::copy(bytes_.subspan(offset, sizeof(T)), field.begin());
-    if (is_swapped_) std::ranges::reverse(field);
-    T value;
-    std::memcpy(&value, field.data(), sizeof(T));
-    return value;
-  }
-  /// `numbers.size()` numbers of type T, one after another.
-  template <typename T, typename Numbers>
-  void get_all(std::size_t offset, Numbers& numbers) const {
-    for (std::size_t n = 0; n < numbers.size(); ++n) {
-      numbers[n] = static_cast<typename Numbers::value_type>(get<T>(offset + n * sizeof(T)));
-    }
-  }
-
- private:
-  std::span<const std::byte> bytes_;
-  bool is_swapped_;
-};
 
 std::string_view text_at(std::span<const std::byte> bytes, std::size_t offset, std::size_t length) {
   return {reinterpret_cast<const char*>(bytes.data()) + offset, length};

@@ -1,9 +1,11 @@
 // Header of NIfTI-1, NIfTI-2 and Analyze 7.5 files.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <span>
 
@@ -12,6 +14,33 @@
 #include "preprocess/import/notes.h"
 
 namespace splatlas {
+
+/// Numbers at byte offsets, in this machine's byte order or, if `is_swapped`, in the other.
+class Fields {
+ public:
+  Fields(std::span<const std::byte> bytes, bool is_swapped) : bytes_(bytes), is_swapped_(is_swapped) {}
+
+  template <typename T>
+  [[nodiscard]] T get(std::size_t offset) const {
+    std::array<std::byte, sizeof(T)> field{};
+    std::ranges::copy(bytes_.subspan(offset, sizeof(T)), field.begin());
+    if (is_swapped_) std::ranges::reverse(field);
+    T value;
+    std::memcpy(&value, field.data(), sizeof(T));
+    return value;
+  }
+  /// `numbers.size()` numbers of type T, one after another.
+  template <typename T, typename Numbers>
+  void get_all(std::size_t offset, Numbers& numbers) const {
+    for (std::size_t n = 0; n < numbers.size(); ++n) {
+      numbers[n] = static_cast<typename Numbers::value_type>(get<T>(offset + n * sizeof(T)));
+    }
+  }
+
+ private:
+  std::span<const std::byte> bytes_;
+  bool is_swapped_;
+};
 
 /// The fields of a header that describe its voxels and their geometry (nifti1.h, nifti2.h).
 struct NiftiHeader {
@@ -37,8 +66,7 @@ struct NiftiHeader {
 };
 
 /// Parses the first bytes of a file, at most kMaxBytes. kFailed for other files, for numbers of axes beyond
-/// 7, and for CIFTI-2, which holds no volume. Analyze has no magic: a header of its length with a valid
-/// number of axes.
+/// 7, and for CIFTI-2, which holds no volume. Analyze has no magic: a header of its length and valid axes.
 [[nodiscard]] Result<NiftiHeader> parse_nifti_header(std::span<const std::byte> bytes,
                                                      const std::filesystem::path& path);
 

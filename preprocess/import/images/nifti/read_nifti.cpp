@@ -1,5 +1,3 @@
-#include "preprocess/import/images/nifti/read_nifti.h"
-
 #include <array>
 #include <cmath>
 #include <optional>
@@ -12,6 +10,7 @@
 #include "format/text/ascii_text.h"
 #include "preprocess/import/images/nifti/nifti_header.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
+#include "preprocess/import/images/pixels/image_readers.h"
 #include "preprocess/import/images/pixels/read_deflated.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/text_file.h"
@@ -91,14 +90,6 @@ FilePair files_of(const fs::path& path) {
   if (ending == ".hdr") return {path, beside(".img")};
   return {beside(".hdr"), path};
 }
-
-/// A stored type: that of an atlas, or integers of 64 bits, which are narrowed.
-struct StoredType {
-  VoxelType type = VoxelType::kNone;
-  WideInteger wide = WideInteger::kNone;
-
-  [[nodiscard]] std::size_t bytes() const { return wide == WideInteger::kNone ? bytes_of(type) : 8; }
-};
 
 Result<StoredType> stored_type(const NiftiHeader& header, const fs::path& path) {
   switch (header.datatype) {
@@ -219,12 +210,8 @@ class NiftiReader {
                               file_.read(static_cast<std::uint64_t>(header_.voxel_offset), voxel_bytes_));
     SPLATLAS_RETURN_IF_ERROR(file_.check_end());
     if (header_.is_swapped) swap_bytes(bytes, type_.bytes());
-    if (type_.wide == WideInteger::kNone) {
-      image_.voxels = {type_.type, std::move(bytes)};
-    } else {
-      SPLATLAS_ASSIGN_OR_RETURN(image_.voxels, narrow_integers(bytes, type_.wide, path_));
-    }
-    image_.voxels = with_scale(std::move(image_.voxels), header_.slope, header_.intercept);
+    SPLATLAS_ASSIGN_OR_RETURN(VoxelBuffer voxels, voxels_of(std::move(bytes), type_, path_));
+    image_.voxels = with_scale(std::move(voxels), header_.slope, header_.intercept);
     return {};
   }
 
@@ -244,7 +231,7 @@ fs::path other_of_pair(const fs::path& path) {
   return files.header == path ? files.voxels : files.header;
 }
 
-Result<SourceImage> read_nifti(const fs::path& path) {
+Result<SourceImage> read_nifti(const fs::path& path, const ImageOptions& /*options*/) {
   return NiftiReader(path).read();
 }
 

@@ -58,9 +58,7 @@ bool has_fault = false;
 /// Size and type of a page.
 struct Page {
   std::int64_t columns = 0, rows = 0;
-  VoxelType type = VoxelType::kNone;
-  WideInteger wide = WideInteger::kNone;
-  std::size_t bytes_each = 0;
+  StoredType type;
 
   friend bool operator==(const Page&, const Page&) = default;
 };
@@ -81,17 +79,16 @@ Result<Page> page_of(TIFF* tiff, const fs::path& path) {
   Page page;
   page.columns = field<std::uint32_t>(tiff, TIFFTAG_IMAGEWIDTH, 0);
   page.rows = field<std::uint32_t>(tiff, TIFFTAG_IMAGELENGTH, 0);
-  page.bytes_each = bits / 8;
   const bool is_signed = format == SAMPLEFORMAT_INT, is_float = format == SAMPLEFORMAT_IEEEFP;
   switch (bits) {
-    case 8: page.type = is_signed ? VoxelType::kInt8 : VoxelType::kUInt8; break;
-    case 16: page.type = is_signed ? VoxelType::kInt16 : VoxelType::kUInt16; break;
+    case 8: page.type.type = is_signed ? VoxelType::kInt8 : VoxelType::kUInt8; break;
+    case 16: page.type.type = is_signed ? VoxelType::kInt16 : VoxelType::kUInt16; break;
     case 32:
-      page.type = is_float ? VoxelType::kFloat32 : is_signed ? VoxelType::kInt32 : VoxelType::kUInt32;
+      page.type.type = is_float ? VoxelType::kFloat32 : is_signed ? VoxelType::kInt32 : VoxelType::kUInt32;
       break;
     case 64:
-      page.type = is_float ? VoxelType::kFloat64 : VoxelType::kNone;
-      if (!is_float) page.wide = is_signed ? WideInteger::kSigned : WideInteger::kUnsigned;
+      page.type.type = is_float ? VoxelType::kFloat64 : VoxelType::kNone;
+      if (!is_float) page.type.wide = is_signed ? WideInteger::kSigned : WideInteger::kUnsigned;
       break;
     default: return bad_file(path, "has pixels of {} bits; 8, 16, 32 and 64 are read", bits);
   }
@@ -101,7 +98,7 @@ Result<Page> page_of(TIFF* tiff, const fs::path& path) {
 
 /// Strips, or tiles of which parts beyond the page are dropped.
 bool read_pixels(TIFF* tiff, const Page& page, std::byte* to) {
-  const std::size_t row_bytes = static_cast<std::size_t>(page.columns) * page.bytes_each;
+  const std::size_t row_bytes = static_cast<std::size_t>(page.columns) * page.type.bytes();
   if (TIFFIsTiled(tiff) == 0) {
     if (static_cast<std::size_t>(TIFFScanlineSize(tiff)) != row_bytes) return false;
     for (std::int64_t row = 0; row < page.rows; ++row) {
@@ -114,18 +111,18 @@ bool read_pixels(TIFF* tiff, const Page& page, std::byte* to) {
   const std::int64_t width = field<std::uint32_t>(tiff, TIFFTAG_TILEWIDTH, 0),
                      height = field<std::uint32_t>(tiff, TIFFTAG_TILELENGTH, 0);
   std::vector<std::byte> tile(static_cast<std::size_t>(std::max<tmsize_t>(TIFFTileSize(tiff), 0)));
-  if (width < 1 || height < 1 || tile.size() != static_cast<std::size_t>(width * height) * page.bytes_each)
+  if (width < 1 || height < 1 || tile.size() != static_cast<std::size_t>(width * height) * page.type.bytes())
     return false;
   for (std::int64_t top = 0; top < page.rows; top += height) {
     for (std::int64_t left = 0; left < page.columns; left += width) {
       if (TIFFReadTile(tiff, tile.data(), static_cast<std::uint32_t>(left), static_cast<std::uint32_t>(top),
                        0, 0) < 0)
         return false;
-      const auto bytes = static_cast<std::size_t>(std::min(width, page.columns - left)) * page.bytes_each;
+      const auto bytes = static_cast<std::size_t>(std::min(width, page.columns - left)) * page.type.bytes();
       for (std::int64_t row = top; row < std::min(top + height, page.rows); ++row) {
-        std::memcpy(
-            to + static_cast<std::size_t>(row) * row_bytes + static_cast<std::size_t>(left) * page.bytes_each,
-            &tile[static_cast<std::size_t>((row - top) * width) * page.bytes_each], bytes);
+        std::memcpy(to + static_cast<std::size_t>(row) * row_bytes +
+                        static_cast<std::size_t>(left) * page.type.bytes(),
+                    &tile[static_cast<std::size_t>((row - top) * width) * page.type.bytes()], bytes);
       }
     }
   }
@@ -149,8 +146,7 @@ bool ends_behind_directory(TIFF* tiff, std::uint64_t offset, const fs::path& pat
 }
 
 /// Reads all pages as slices, without spacing and orientation. kFailed for colours, palettes, pages of
-/// several sizes or types, unsupported types, and damage. BigTIFF and every compression of libtiff are read.
-/// Cost: one pass.
+/// several sizes or types, unsupported types, and damage. Reads BigTIFF and every compression of libtiff.
 Result<SourceImage> read_tiff(const fs::path& path) {
   has_fault = false;
   TIFFSetErrorHandler([](const char*, const char*, std::va_list) { has_fault = true; });
@@ -167,7 +163,8 @@ Result<SourceImage> read_tiff(const fs::path& path) {
     if (page != first)
       return bad_file(path, "has pages of several sizes or types; save each volume as a file of its own");
     image.grid.size = {page.columns, page.rows, image.grid.size[2] + 1};
-    SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t all, payload_bytes(path, image.grid.size, page.bytes_each));
+    SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t all,
+                              payload_bytes(path, image.grid.size, page.type.bytes()));
     SPLATLAS_RETURN_IF_ERROR(check_image_memory(path, all));
     const std::size_t before = bytes.size();
     bytes.resize(all);
@@ -176,11 +173,7 @@ Result<SourceImage> read_tiff(const fs::path& path) {
   } while (TIFFReadDirectory(tiff.get()) == 1);
   if (has_fault || !ends_behind_directory(tiff.get(), directory, path))
     return bad_file(path, "is damaged or cut behind page {}; get the file again", image.grid.size[2]);
-  if (first.wide == WideInteger::kNone) {
-    image.voxels = {first.type, std::move(bytes)};
-  } else {
-    SPLATLAS_ASSIGN_OR_RETURN(image.voxels, narrow_integers(bytes, first.wide, path));
-  }
+  SPLATLAS_ASSIGN_OR_RETURN(image.voxels, voxels_of(std::move(bytes), first.type, path));
   return image;
 }
 

@@ -136,10 +136,11 @@ void swap_bytes(std::vector<std::byte>& voxels, std::size_t bytes_each) {
   for (auto at = voxels.begin(); at != voxels.end(); at += size) std::reverse(at, at + size);
 }
 
-Result<VoxelBuffer> narrow_integers(std::span<const std::byte> bytes, WideInteger type,
-                                    const std::filesystem::path& path) {
-  return type == WideInteger::kSigned ? narrowed<std::int64_t>(bytes, path)
-                                      : narrowed<std::uint64_t>(bytes, path);
+Result<VoxelBuffer> voxels_of(std::vector<std::byte> bytes, const StoredType& type,
+                              const std::filesystem::path& path) {
+  if (type.wide == WideInteger::kNone) return VoxelBuffer{type.type, std::move(bytes)};
+  return type.wide == WideInteger::kSigned ? narrowed<std::int64_t>(bytes, path)
+                                           : narrowed<std::uint64_t>(bytes, path);
 }
 
 Result<GzipFile> GzipFile::open(const std::filesystem::path& path) {

@@ -30,17 +30,25 @@ void swap_bytes(std::vector<std::byte>& voxels, std::size_t bytes_each);
 
 enum class WideInteger : std::uint8_t { kNone, kSigned, kUnsigned };
 
-/// int32 if all values fit, else uint32. kFailed, with the value, if one fits neither. `bytes` are of this
-/// machine's byte order.
-[[nodiscard]] Result<VoxelBuffer> narrow_integers(std::span<const std::byte> bytes, WideInteger type,
-                                                  const std::filesystem::path& path);
+/// A type of voxels in a file: that of an atlas, or integers of 64 bits, which are narrowed.
+struct StoredType {
+  VoxelType type = VoxelType::kNone;
+  WideInteger wide = WideInteger::kNone;
+
+  [[nodiscard]] std::size_t bytes() const { return wide == WideInteger::kNone ? bytes_of(type) : 8; }
+  friend bool operator==(const StoredType&, const StoredType&) = default;
+};
+
+/// The voxels that `bytes`, in this machine's byte order, hold. Of 64-bit integers int32 if all values fit,
+/// else uint32; kFailed, with the value, if one fits neither.
+[[nodiscard]] Result<VoxelBuffer> voxels_of(std::vector<std::byte> bytes, const StoredType& type,
+                                            const std::filesystem::path& path);
 
 /// A file open for reading, plain or compressed, of one or several gzip members. Not thread-safe.
 class GzipFile {
  public:
   GzipFile() = default;
-  /// kFailed if it cannot be opened, or if its compression contradicts its ending: .gz and .mgz are
-  /// compressed.
+  /// kFailed if it cannot be opened, or if its compression contradicts its ending (.gz, .mgz, or others).
   [[nodiscard]] static Result<GzipFile> open(const std::filesystem::path& path);
 
   [[nodiscard]] bool is_compressed() const { return gzdirect(stream_.get()) == 0; }

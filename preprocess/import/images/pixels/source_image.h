@@ -41,21 +41,14 @@ struct ImageOptions {
 
 // Members, for archives.
 
-void transfer(auto& archive, Grid& grid) {
-  archive(grid.size, grid.spacing_mm, grid.origin_lps_mm, grid.direction_lps);
-}
 void transfer(auto& archive, VoxelBuffer& voxels) {
   archive(voxels.type, voxels.bytes);
 }
 void transfer(auto& archive, SourceSegment& segment) {
-  std::uint64_t layer = segment.layer;
-  archive(layer, segment.value, segment.structure);
-  segment.layer = static_cast<std::size_t>(layer);
+  archive(segment.layer, segment.value, segment.structure);
 }
 void transfer(auto& archive, SourceImage& image) {
-  std::uint64_t layers = image.layers;
-  archive(image.grid, image.voxels, layers, image.segments, image.is_segmentation, image.notes);
-  image.layers = static_cast<std::size_t>(layers);
+  archive(image.grid, image.voxels, image.layers, image.segments, image.is_segmentation, image.notes);
 }
 
 }  // namespace splatlas

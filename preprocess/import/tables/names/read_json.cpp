@@ -161,8 +161,7 @@ struct Nested {
   std::string parent;  // its id
 };
 
-/// Nested structures as rows in depth-first order. The nesting tells the parent: some files have no field for
-/// it.
+/// Nested structures as rows in depth-first order. The nesting tells the parent, often alone.
 Table flatten(const Json& roots) {
   Table table;
   table.columns = {"id", "name", "acronym", "color_hex_triplet", "parent_structure_id"};

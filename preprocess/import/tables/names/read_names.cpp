@@ -1,5 +1,3 @@
-#include "preprocess/import/tables/names/read_names.h"
-
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -9,6 +7,7 @@
 #include "format/text/ascii_text.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/names/dialects.h"
+#include "preprocess/import/tables/names_table.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

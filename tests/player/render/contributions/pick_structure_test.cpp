@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "player/render/surfaces/clip_triangle.h"
+#include "player/render/surfaces/screen_triangle.h"
 #include "tests/reference/optical_field.h"
 #include "tests/reference/ray.h"
 #include "tests/reference/ray_surfaces.h"

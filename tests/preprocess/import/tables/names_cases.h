@@ -10,7 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "preprocess/import/tables/names/read_names.h"
+#include "preprocess/import/tables/names_table.h"
 #include "tests/preprocess/messages_of_notes.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/temporary_folder.h"

@@ -16,8 +16,7 @@ class DcmPixelData;
 
 namespace splatlas {
 
-/// An open file whose frames are decoded one at a time. Reads raw, deflated, RLE, JPEG, JPEG-LS and JPEG 2000
-/// pixels. One thread at a time.
+/// An open file of frames: raw, deflated, RLE, JPEG, JPEG-LS and JPEG 2000 pixels. One thread at a time.
 class DicomPixels {
  public:
   /// Opens the file of a frame. kFailed for damaged files, and if they hold fewer pixels than they promise.

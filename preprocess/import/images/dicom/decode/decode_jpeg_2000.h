@@ -10,8 +10,7 @@
 
 namespace splatlas {
 
-/// Decodes a JPEG 2000 image of one component. kFailed if its size is not that of `format`, or if it has more
-/// bits.
+/// Decodes a JPEG 2000 image of one component. kFailed if it has another size or more bits than `format`.
 [[nodiscard]] Result<void> decode_jpeg_2000(std::span<const std::byte> bytes, const PixelFormat& format,
                                             std::vector<std::int32_t>& values);
 

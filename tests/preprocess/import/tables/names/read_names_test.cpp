@@ -1,9 +1,8 @@
-#include "preprocess/import/tables/names/read_names.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "preprocess/import/tables/names_table.h"
 #include "tests/preprocess/import/tables/names_cases.h"
 
 namespace splatlas {

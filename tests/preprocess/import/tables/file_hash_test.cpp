@@ -1,7 +1,6 @@
-#include "preprocess/import/file_hash.h"
-
 #include <gtest/gtest.h>
 
+#include "preprocess/import/tables/text_file.h"
 #include "tests/preprocess/raw_image_files.h"
 #include "tests/support/run_program.h"
 

@@ -1,17 +1,17 @@
-// Command splatlas-player render: a selection of an atlas to a picture file.
+// Commands of splatlas-player: render, export, and ATLAS alone, which plays it in the browser.
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "format/result.h"
 #include "player/commands/framing.h"
 #include "player/render_page.h"
-
-namespace CLI {
-class App;
-}
 
 namespace splatlas {
 
@@ -38,9 +38,27 @@ struct RenderRequest {
   [[nodiscard]] bool is_folder() const { return all_scenes || frames > 0; }
 };
 
-/// Adds the command. Parsing fills `request`, which must outlive `app`. Invalid values throw
-/// CLI::ValidationError with option, value and remedy.
+/// Arguments of the export command.
+struct ExportRequest {
+  std::vector<std::filesystem::path> atlases;  ///< one, unless `site` is given
+  std::filesystem::path html, site;            ///< one of them
+  OpeningRequest opening;
+};
+
+/// Arguments without a command.
+struct PlayRequest {
+  std::filesystem::path atlas;
+  RendererOptions renderer;
+  AtlasOptions atlas_options;
+  std::uint16_t port = 0;  ///< 0: any
+  bool no_browser = false;
+};
+
+/// Adds a command, or the options of none. Parsing fills `request`, which must outlive `app`. Invalid values
+/// throw CLI::ValidationError with option, value and remedy.
 CLI::App* add_render(CLI::App& app, RenderRequest& request);
+CLI::App* add_export(CLI::App& app, ExportRequest& request);
+void add_play(CLI::App& app, PlayRequest& request);
 
 /// Lines to report after a picture.
 struct RenderReport {
@@ -49,8 +67,14 @@ struct RenderReport {
 };
 
 /// Renders a picture and writes it, with statistics, id image and depth map if requested, or a folder of
-/// pictures: all files or none. Renders the intact parts of a damaged atlas. Errors name the file. `control`:
-/// of the picture's rendering.
+/// pictures: all files or none. Renders the intact parts of a damaged atlas. Errors name the file.
 [[nodiscard]] Result<RenderReport> run_render(const RenderRequest& request, const RenderControl& control);
+
+/// Writes the page, or the folder of the site: all or nothing. Refuses damaged atlases. Errors name the file.
+[[nodiscard]] Result<void> run_export(const ExportRequest& request);
+
+/// Prints the address, and serves until ten seconds after the last page has closed, or until SIGINT, SIGTERM
+/// or SIGHUP. kInvalidAtlas at the end if pictures lacked damaged parts. Call it before threads start.
+[[nodiscard]] Result<void> play(const PlayRequest& request);
 
 }  // namespace splatlas
