@@ -38,9 +38,29 @@ void prefetch(std::size_t voxel, std::size_t voxels, const ClassCache& cache) {
     hwy::Prefetch(cache.values() + at);
 }
 
+/// Sets the emissions, colour and mean extinction of a model. `appearances` are those of the plan's classes.
+void set_appearances(const DrawPlan& plan, std::span<const VolumeAppearance> appearances,
+                     const ClassTable& classes, SpanModel& model) {
+  std::optional<std::array<float, 3>> color;
+  bool differ = false;
+  double voxels = 0, extinctions = 0;
+  for (std::size_t n = 0; n < appearances.size(); ++n) {
+    if (!draws_volume(plan.classes[n].role)) continue;
+    differ |= color && *color != appearances[n].color;
+    color = appearances[n].color;
+    const auto of_class = static_cast<double>(classes.voxels(plan.classes[n].id));
+    voxels += of_class;
+    extinctions += of_class * static_cast<double>(appearances[n].extinction_per_mm);
+  }
+  const bool one_color = color && !differ;
+  model.emissions = one_color ? 1 : 3;
+  model.color = one_color ? *color : std::array<float, 3>{1, 1, 1};
+  model.mean_densest_per_mm = voxels > 0 ? extinctions / voxels : 0;
+}
+
 }  // namespace
 
-std::pair<std::int64_t, std::int64_t> SheetStrip::rows_of(std::int64_t slice) const {
+RowRange SheetStrip::rows_of(std::int64_t slice) const {
   const double before = shear.v_shift(static_cast<double>(slice) - 1);
   const double behind = shear.v_shift(static_cast<double>(slice) + 1);
   const auto [least, most] = std::minmax(before, behind);
@@ -75,60 +95,64 @@ SpanBuilder::ClassAppearances SpanBuilder::class_appearances(const SpanRequest& 
   return found;
 }
 
-/// Flags of the model's slices.
-std::vector<bool> SpanBuilder::changed_slices(const SpanRequest& request, const SpanModel& before,
-                                              const ClassAppearances& appearances_before) const {
-  const bool other_kind = before.emissions != model_.emissions || appearances_before.of_class.empty() ||
-                          appearances_before.generation != appearances_.generation ||
-                          appearances_before.shade != appearances_.shade;
-  std::vector<bool> changed(model_.slices.size(), other_kind);
-  if (other_kind) return changed;
-  const std::uint8_t slice_axis = ScanOrder::of(model_.axis).slice_axis;
+/// Of each of the model's slices.
+std::vector<RowRange> SpanBuilder::changed_rows(const SpanRequest& request, const SpanModel& before,
+                                                const ClassAppearances& appearances_before) const {
+  const ScanOrder scan = ScanOrder::of(model_.axis);
+  std::vector<RowRange> changed(model_.slices.size(), {0, request.grid.size[scan.row_axis]});
+  if (before.emissions != model_.emissions || appearances_before.of_class.empty() ||
+      appearances_before.generation != appearances_.generation ||
+      appearances_before.shade != appearances_.shade) {
+    for (std::size_t n = 0; request.strip && n < changed.size(); ++n)
+      changed[n] = request.strip->rows_of(model_.slices[n].number);
+    return changed;
+  }
+  std::vector<bool> differ(appearances_.of_class.size());
+  IndexBox box;
+  for (ClassId c = 0; c < differ.size(); ++c) {
+    differ[c] = appearances_.differ(appearances_before, c);
+    if (differ[c]) box.include(request.classes.box(c));
+  }
+  // Gradients of grey values reach into the slices and rows beside
   const std::int64_t beside = request.shade && request.cache.values() != nullptr ? 1 : 0;
-  const auto in_model = [&](std::int64_t slice) {
-    return changed.begin() + static_cast<std::ptrdiff_t>(model_.place_of(slice));
-  };
-  for (ClassId c = 0; c < appearances_.of_class.size(); ++c) {
-    if (!appearances_.differ(appearances_before, c)) continue;
-    const IndexBox& box = request.classes.box(c);
-    // Gradients of grey values reach into the slices beside
-    std::fill(in_model(box.first[slice_axis] - beside), in_model(box.last[slice_axis] + 1 + beside), true);
+  changed.assign(changed.size(), {});
+  for (std::int64_t slice = box.first[scan.slice_axis]; slice <= box.last[scan.slice_axis]; ++slice) {
+    RowRange rows;
+    for (const ClassRun& run : request.cache.runs(model_.axis).slice(slice)) {
+      if (differ[run.id]) rows.include({run.row - beside, run.row + 1 + beside});
+    }
+    const std::size_t end = model_.place_of(slice + 1 + beside);
+    for (std::size_t n = model_.place_of(slice - beside); n < end; ++n) changed[n].include(rows);
   }
   return changed;
 }
 
-/// Moves unchanged slices from `before`. Slices without a predecessor become changed; changed slices free
-/// their memory.
-void SpanBuilder::take_over(SpanModel& before, std::vector<bool>& changed) {
-  std::vector<bool> taken(model_.slices.size(), false);
+/// Moves slices from `before`. False if they leave the arena fragmented.
+bool SpanBuilder::take_over(SpanModel& before) {
+  std::uint64_t kept = 0;
   for (SliceSpans& slice : before.slices) {
     const std::size_t place = model_.place_of(slice.number);
     if (place == model_.slices.size() || model_.slices[place].number != slice.number) continue;
-    taken[place] = true;
+    kept += slice.optics.size() * sizeof(float);
     model_.slices[place] = std::move(slice);
   }
   before.slices.clear();
-  std::uint64_t kept = 0;
-  for (std::size_t n = 0; n < model_.slices.size(); ++n) {
-    if (!taken[n]) changed[n] = true;
-    if (changed[n]) model_.slices[n].optics = {};
-    kept += model_.slices[n].optics.size() * sizeof(float);
-  }
-  // Rebuild everything if the remaining slices leave the arena fragmented.
-  if (arena_.bytes_in_use() <= 2 * kept + kMaxUnusedBytes) return;
-  changed.assign(changed.size(), true);
-  for (SliceSpans& slice : model_.slices) slice.optics = {};
+  return arena_.bytes_in_use() <= 2 * kept + kMaxUnusedBytes;
 }
 
 /// All blocks of the runs, and an empty block behind each of them.
-std::size_t SpanBuilder::max_floats(const SpanRequest& request, std::int64_t slice) const {
+std::size_t SpanBuilder::max_floats(const SpanRequest& request, std::int64_t slice,
+                                    const RowRange& rows) const {
   std::int64_t blocks = 0;
-  request.for_each_run(slice, [&](const ClassRun& run, std::uint32_t) { blocks += run.length / kBlock + 3; });
+  request.runs.for_each(slice, rows.first, rows.last,
+                        [&](const ClassRun& run, std::uint32_t) { blocks += run.length / kBlock + 3; });
   return static_cast<std::size_t>(blocks * kBlock * (1 + model_.emissions));
 }
 
-void SpanBuilder::write_slice(const SpanRequest& request, std::int64_t slice, VoxelLighter& lighter,
-                              SliceSpans& out) const {
+/// `before`: the same slice, with rows to keep.
+void SpanBuilder::write_slice(const SpanRequest& request, const RowRange& rows, const SliceSpans& before,
+                              VoxelLighter& lighter, SliceSpans& out) const {
+  const std::int64_t slice = out.number;
   const ScanOrder scan = ScanOrder::of(model_.axis);
   const std::array<std::size_t, 3> step{
       1, static_cast<std::size_t>(request.grid.size[0]),
@@ -137,6 +161,7 @@ void SpanBuilder::write_slice(const SpanRequest& request, std::int64_t slice, Vo
   const std::size_t first_voxel = static_cast<std::size_t>(slice) * step[scan.slice_axis];
   constexpr std::size_t kRowsAhead = 2;
   SpanWriter writer(model_.emissions, out);
+  writer.copy(before, before.first_row, rows.first);
 
   // Classify the grey values of a piece
   const auto write = [&](const Piece& piece) {
@@ -154,7 +179,7 @@ void SpanBuilder::write_slice(const SpanRequest& request, std::int64_t slice, Vo
 
   // Merge adjacent runs into pieces
   Piece piece;
-  request.for_each_run(slice, [&](const ClassRun& run, std::uint32_t) {
+  request.runs.for_each(slice, rows.first, rows.last, [&](const ClassRun& run, std::uint32_t) {
     const std::uint32_t appearance = appearances_.of_class[run.id];
     if (piece.goes_on(run, appearance)) {
       piece.length += run.length;
@@ -166,29 +191,13 @@ void SpanBuilder::write_slice(const SpanRequest& request, std::int64_t slice, Vo
   });
   if (piece.length > 0) write(piece);
   writer.end_row(piece.row);
+  writer.copy(before, rows.last, before.last_row);
   writer.finish();
 }
 
-void set_appearances(const DrawPlan& plan, std::span<const VolumeAppearance> appearances,
-                     const ClassTable& classes, SpanModel& model) {
-  std::optional<std::array<float, 3>> color;
-  bool differ = false;
-  double voxels = 0, extinctions = 0;
-  for (std::size_t n = 0; n < appearances.size(); ++n) {
-    if (!draws_volume(plan.classes[n].role)) continue;
-    differ |= color && *color != appearances[n].color;
-    color = appearances[n].color;
-    const auto of_class = static_cast<double>(classes.voxels(plan.classes[n].id));
-    voxels += of_class;
-    extinctions += of_class * static_cast<double>(appearances[n].extinction_per_mm);
-  }
-  const bool one_color = color && !differ;
-  model.emissions = one_color ? 1 : 3;
-  model.color = one_color ? *color : std::array<float, 3>{1, 1, 1};
-  model.mean_densest_per_mm = voxels > 0 ? extinctions / voxels : 0;
-}
-
-void set_box(const SelectedRuns& runs, SpanModel& model) {
+SpanModel empty_model(const SpanRequest& request) {
+  const SelectedRuns& runs = request.runs;
+  SpanModel model;
   model.axis = runs.axis();
   model.scan_first = runs.box().first[0];
   model.scan_voxels = runs.scan_voxels();
@@ -196,11 +205,6 @@ void set_box(const SelectedRuns& runs, SpanModel& model) {
   model.rows = runs.rows();
   model.slice_first = runs.box().first[2];
   model.slice_count = runs.slices();
-}
-
-SpanModel empty_model(const SpanRequest& request) {
-  SpanModel model;
-  set_box(request.runs, model);
   set_appearances(request.plan, request.appearances.appearances(), request.classes, model);
   return model;
 }
@@ -209,15 +213,25 @@ void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
   const SelectedRuns& runs = request.runs;
   SpanModel before = std::exchange(model_, empty_model(request));
   for (const std::int64_t slice : runs.occupied()) model_.slices.emplace_back().number = slice;
-  const ClassAppearances appearances_before =
+  ClassAppearances appearances_before =
       std::exchange(appearances_, class_appearances(request, model_.emissions > 1));
+  if (!take_over(before)) appearances_before = {};  // rebuild everything
 
   // Find the slices to rebuild
-  std::vector<bool> changed = changed_slices(request, before, appearances_before);
-  take_over(before, changed);
+  std::vector<RowRange> changed = changed_rows(request, before, appearances_before);
   std::vector<std::size_t> to_build;
+  rows_built_ = 0;
   for (std::size_t n = 0; n < changed.size(); ++n) {
-    if (changed[n]) to_build.push_back(n);
+    RowRange& rows = changed[n];
+    SliceSpans& slice = model_.slices[n];
+    if (rows.empty()) continue;
+    // Copies of few rows are not worth their memory
+    if (slice.optics.size() > 0 && 2 * (rows.last - rows.first) > slice.last_row - slice.first_row) {
+      rows.include({slice.first_row, slice.last_row});
+      slice.optics = {};
+    }
+    to_build.push_back(n);
+    rows_built_ += rows.last - rows.first;
   }
 
   // Build slices in parallel
@@ -227,23 +241,25 @@ void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
   pool.for_each((to_build.size() + kSlicesAtOnce - 1) / kSlicesAtOnce, [&](std::size_t part) {
     const std::size_t first = part * kSlicesAtOnce;
     lighters.with([&](VoxelLighter& lighter) {
-      std::size_t lit = 0, lit_runs = 0;  // of the slice before, which is usually similar
+      SliceSpans before;  // passes its memory on to the next slice
       for (std::size_t n = first; n < std::min(first + kSlicesAtOnce, to_build.size()); ++n) {
         SliceSpans& slice = model_.slices[to_build[n]];
+        const RowRange& rows = changed[to_build[n]];
+        std::swap(slice, before);
+        const LitVoxels& similar = n == first ? before.lit : model_.slices[to_build[n - 1]].lit;
+        slice.number = before.number;
         slice.is_lit = false;
-        slice.optics = arena_.lend(max_floats(request, slice.number));
-        slice.lit.voxels.reserve(lit + lit / 8);
-        slice.lit.runs.reserve(lit_runs + lit_runs / 8);
-        write_slice(request, slice.number, lighter, slice);
-        lit = slice.lit.voxels.size();
-        lit_runs = slice.lit.runs.size();
+        slice.optics = arena_.lend(before.optics.size() + max_floats(request, slice.number, rows));
+        slice.lit.voxels.reserve(similar.voxels.size() * 9 / 8);
+        slice.lit.runs.reserve(similar.runs.size() * 9 / 8);
+        write_slice(request, rows, before, lighter, slice);
+        before.optics = {};
         arena_.settle(slice.optics);
       }
     });
   });
 
   // Update counters and free unused memory
-  slices_built_ = to_build.size();
   for (const SliceSpans& slice : model_.slices) {
     model_.voxels += slice.voxels;
     model_.lit_voxels += slice.lit.voxels.size();

@@ -15,13 +15,6 @@
 
 namespace splatlas {
 
-/// Sets the emissions, colour and mean extinction of a model. `appearances` are those of the plan's classes.
-void set_appearances(const DrawPlan& plan, std::span<const VolumeAppearance> appearances,
-                     const ClassTable& classes, SpanModel& model);
-
-/// Sets the axis and the box of a model.
-void set_box(const SelectedRuns& runs, SpanModel& model);
-
 /// Input of SpanBuilder::build().
 struct SpanRequest {
   const SelectedRuns& runs;
@@ -32,14 +25,6 @@ struct SpanRequest {
   const ClassCache& cache;
   bool shade = true;                               ///< list lit voxels for light_spans()
   std::optional<SheetStrip> strip = std::nullopt;  ///< of the voxels; none: all
-
-  /// Calls take(run, index into the plan's classes) for the runs of a slice of the grid.
-  template <typename Take>
-  void for_each_run(std::int64_t slice, const Take& take) const {
-    if (!strip) return runs.for_each(slice, take);
-    const auto [first, last] = strip->rows_of(slice);
-    runs.for_each(slice, first, last, take);
-  }
 };
 
 /// A model without slices: the box and the appearances of a request.
@@ -50,15 +35,16 @@ class SpanBuilder {
  public:
   /// Looks up the optical properties of every selected voxel (pre-classification) and packs them into spans.
   /// Voxels without extinction are omitted. Slices whose classes keep their appearance remain unchanged, with
-  /// their shading; rebuilt slices are unshaded. All requests must share one atlas, axis and
-  /// VolumeAppearances, and have no strip; one with a strip needs a new builder. Cost: linear in the selected
-  /// voxels and decoded runs of the changed slices, which are built in parallel. Throws std::bad_alloc.
+  /// their shading. Others are no longer lit; they keep the rows before and behind those that change.
+  /// All requests must share one atlas, axis and VolumeAppearances, and have no strip; one with a strip needs
+  /// a new builder. Cost: linear in the selected voxels and decoded runs of the changed rows, and a copy of
+  /// the others of their slices. Slices are built in parallel. Throws std::bad_alloc.
   void build(const SpanRequest& request, ThreadPool& pool);
 
   [[nodiscard]] const SpanModel& model() const { return model_; }
   [[nodiscard]] SpanModel& model() { return model_; }
-  /// Number of slices that the latest build() rebuilt.
-  [[nodiscard]] std::size_t slices_built() const { return slices_built_; }
+  /// Number of rows of slices that the latest build() rebuilt.
+  [[nodiscard]] std::int64_t rows_built() const { return rows_built_; }
 
  private:
   static constexpr std::uint32_t kNotDrawn = SelectedRuns::kNotDrawn;
@@ -79,17 +65,18 @@ class SpanBuilder {
     [[nodiscard]] bool differ(const ClassAppearances& other, ClassId c) const;
   };
   [[nodiscard]] static ClassAppearances class_appearances(const SpanRequest& request, bool colored);
-  [[nodiscard]] std::vector<bool> changed_slices(const SpanRequest& request, const SpanModel& before,
-                                                 const ClassAppearances& appearances_before) const;
-  void take_over(SpanModel& before, std::vector<bool>& changed);
-  void write_slice(const SpanRequest& request, std::int64_t slice, VoxelLighter& lighter,
-                   SliceSpans& out) const;
-  [[nodiscard]] std::size_t max_floats(const SpanRequest& request, std::int64_t slice) const;
+  [[nodiscard]] std::vector<RowRange> changed_rows(const SpanRequest& request, const SpanModel& before,
+                                                   const ClassAppearances& appearances_before) const;
+  [[nodiscard]] bool take_over(SpanModel& before);
+  void write_slice(const SpanRequest& request, const RowRange& rows, const SliceSpans& before,
+                   VoxelLighter& lighter, SliceSpans& out) const;
+  [[nodiscard]] std::size_t max_floats(const SpanRequest& request, std::int64_t slice,
+                                       const RowRange& rows) const;
 
   SpanModel model_;
   OpticalArena arena_;  // of the model's optical properties
   ClassAppearances appearances_;
-  std::size_t slices_built_ = 0;
+  std::int64_t rows_built_ = 0;
 };
 
 }  // namespace splatlas

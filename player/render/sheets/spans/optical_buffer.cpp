@@ -36,6 +36,11 @@ struct OpticalArena::Chunk {
   [[nodiscard]] float* data() const { return reinterpret_cast<float*>(memory.data()); }
 };
 
+void OpticalArena::expect(std::uint64_t bytes) {
+  large_ = bytes >= kLargePages;
+  for (const std::shared_ptr<Chunk>& chunk : chunks_) chunk->lent = true;
+}
+
 OpticalBuffer OpticalArena::lend(std::size_t floats) {
   const std::lock_guard lock(*mutex_);
   const auto lend_rest = [&](const std::shared_ptr<Chunk>& chunk) {
@@ -48,7 +53,9 @@ OpticalBuffer OpticalArena::lend(std::size_t floats) {
       chunk->used = 0;
       chunk->lent = false;
     }
-    if (!chunk->lent && chunk->size - chunk->used >= floats) return lend_rest(chunk);
+    if (chunk->lent) continue;
+    if (chunk->size - chunk->used >= floats) return lend_rest(chunk);
+    chunk->lent = true;  // full
   }
   const auto chunk = std::make_shared<Chunk>();
   Result<SparseBytes> memory = SparseBytes::reserve(std::max(kChunkBytes, 2 * floats * sizeof(float)));

@@ -50,8 +50,9 @@ class OpticalBuffer {
 /// are reused. Many slices share a chunk, which may be backed by large pages.
 class OpticalArena {
  public:
-  /// Announces the total size of the next buffers, which decides their page size.
-  void expect(std::uint64_t bytes) { large_ = bytes >= kLargePages; }
+  /// Announces the total size of the next buffers, which decides their page size. They share no chunk with
+  /// those before, which are usually freed soon.
+  void expect(std::uint64_t bytes);
   /// An empty buffer with a capacity of at least `floats`. The caller fills it and passes it to settle().
   /// Throws std::bad_alloc. Thread-safe.
   [[nodiscard]] OpticalBuffer lend(std::size_t floats);

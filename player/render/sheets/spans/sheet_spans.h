@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <utility>
 
 #include "player/render/sheets/spans/span_model.h"
@@ -12,13 +13,24 @@
 
 namespace splatlas {
 
+/// Rows [first, last) of a slice; none at first.
+struct RowRange {
+  std::int64_t first = std::numeric_limits<std::int64_t>::max(), last = 0;
+
+  [[nodiscard]] bool empty() const { return first >= last; }
+  void include(const RowRange& other) {
+    first = std::min(first, other.first);
+    last = std::max(last, other.last);
+  }
+};
+
 /// Rows of a sheet, in voxels: v in [first, last].
 struct SheetStrip {
   const Shear& shear;
   std::int64_t first = 0, last = 0;
 
-  /// Voxel rows [first, last) of a slice with footprints in the strip, in slabs up to a slice away.
-  [[nodiscard]] std::pair<std::int64_t, std::int64_t> rows_of(std::int64_t slice) const;
+  /// Voxel rows of a slice with footprints in the strip, in slabs up to a slice away.
+  [[nodiscard]] RowRange rows_of(std::int64_t slice) const;
 };
 
 /// The spans of a frame: all at once or, if memory does not hold them, for one strip of the sheet at a time.

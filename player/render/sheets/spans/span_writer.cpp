@@ -84,11 +84,42 @@ void SpanWriter::end_row(std::int64_t row) {
   std::size_t s = first_of_row;
   for (const Run& run : lit_) list(run, s);
   lit_.clear();
+  list_row(row, first_of_row);
+}
+
+/// Sets the offsets of the latest row.
+void SpanWriter::list_row(std::int64_t row, std::size_t first_of_row) {
   if (out_.spans.size() == first_of_row) return;
   if (out_.first_span.empty()) out_.first_row = row;
   out_.first_span.resize(static_cast<std::size_t>(row - out_.first_row) + 1,
                          static_cast<std::uint32_t>(first_of_row));
   out_.last_row = row + 1;
+}
+
+void SpanWriter::copy(const SliceSpans& from, std::int64_t first, std::int64_t last) {
+  const auto block_floats = static_cast<std::size_t>(out_.block_floats());
+  std::vector<LitVoxel>& voxels = out_.lit.voxels;
+  auto run = from.lit.runs.begin();
+  for (std::int64_t row = first; row < std::min(last, from.last_row); ++row) {
+    const std::size_t first_of_row = out_.spans.size();
+    for (Span span : from.row(row)) {
+      const std::size_t floats = span.blocks * block_floats;
+      const auto offset = static_cast<std::uint32_t>(out_.optics.size() / block_floats);
+      std::copy_n(from.optics.data() + span.offset * block_floats, floats, out_.optics.append(floats));
+      const std::uint32_t lane = span.offset << kBlockBits, end = lane + (span.blocks << kBlockBits);
+      for (; run != from.lit.runs.end() && run->number < end; ++run) {
+        if (run->number < lane) continue;
+        out_.lit.runs.push_back({run->number - lane + (offset << kBlockBits),
+                                 static_cast<std::uint32_t>(voxels.size()), run->count, run->color});
+        const auto lit = from.lit.voxels.begin() + run->first;
+        voxels.insert(voxels.end(), lit, lit + run->count);
+      }
+      span.offset = offset;
+      out_.spans.push_back(span);
+      out_.voxels += span.voxels;
+    }
+    list_row(row, first_of_row);
+  }
 }
 
 void SpanWriter::finish() {

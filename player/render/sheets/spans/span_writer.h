@@ -40,6 +40,8 @@ class SpanWriter {
              const VoxelLight& light = {});
   /// Appends the row's spans. Rows of the grid come in ascending order.
   void end_row(std::int64_t row);
+  /// Appends rows [first, last) of another slice with the same emissions.
+  void copy(const SliceSpans& from, std::int64_t first, std::int64_t last);
   /// Completes the offsets, after the last row.
   void finish();
 
@@ -64,6 +66,7 @@ class SpanWriter {
   void append(const float* line);
   void end_span(std::size_t first_of_row);
   void list(const Run& run, std::size_t& s);
+  void list_row(std::int64_t row, std::size_t first_of_row);
 
   SliceSpans& out_;
   std::int64_t plane_floats_ = 0;

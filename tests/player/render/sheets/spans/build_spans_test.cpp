@@ -72,30 +72,34 @@ TEST(BuildSpans, TakesNoMoreMemoryThanItSays) {
   }
 }
 
-/// Boxes in a row: only slices that change are rebuilt.
-TEST(BuildSpans, OnlySlicesThatChangeAreBuilt) {
+/// Boxes in a row along z, the last one in two halves along y: only rows that change are rebuilt.
+TEST(BuildSpans, OnlyRowsThatChangeAreBuilt) {
   TestVolume volume;
   volume.grid.size = {20, 20, 30};
-  for (const int n : {0, 1, 2}) {
-    volume.structures.push_back({std::string(1, static_cast<char>('a' + n)),
-                                 box_mask(volume.grid.size, {3, 3, 10 * n}, {16, 16, 10 * n + 9})});
-  }
+  const auto add = [&](const char* name, const Index3& first, const Index3& last) {
+    volume.structures.push_back({name, box_mask(volume.grid.size, first, last)});
+  };
+  add("a", {3, 3, 0}, {16, 16, 9});
+  add("b", {3, 3, 10}, {16, 16, 19});
+  add("c", {3, 3, 20}, {16, 8, 29});
+  add("d", {3, 9, 20}, {16, 16, 29});
   const AtlasContent content = make_content(volume);
   PreparedSelection prepared(content, selection_of("*:volume(color=#ffffff)", content.graph));
   SpanBuilder builder;
   const auto built_for = [&](const std::string& text) {
     prepared.select(selection_of(text, content.graph));
     prepared.build(Axis::kZ, builder);
-    return builder.slices_built();
+    return builder.rows_built();
   };
-  EXPECT_EQ(built_for("*:volume(color=#ffffff)"), 30u);
-  EXPECT_EQ(built_for("*:volume(color=#ffffff)"), 0u);
-  EXPECT_EQ(built_for("*:volume(color=#ffff00)"), 0u) << "the colour of all is no voxel's";
-  EXPECT_EQ(built_for("*:volume(color=#ffff00) - b"), 10u);
-  EXPECT_EQ(built_for("a:volume(color=#ffff00)"), 0u);
-  EXPECT_EQ(built_for("*:volume(color=#ffff00)"), 20u);
-  EXPECT_EQ(built_for("*:volume(color=#ffff00) + c:volume(color=#ffff00,opacity=0.5)"), 10u);
-  EXPECT_EQ(built_for("*:volume(color=#ffff00) + c:volume(color=#ff0000)"), 30u) << "three emissions";
+  EXPECT_EQ(built_for("*:volume(color=#ffffff)"), 30 * 20);
+  EXPECT_EQ(built_for("*:volume(color=#ffffff)"), 0);
+  EXPECT_EQ(built_for("*:volume(color=#ffff00)"), 0) << "the colour of all is no voxel's";
+  EXPECT_EQ(built_for("*:volume(color=#ffff00) - b"), 10 * 14);
+  EXPECT_EQ(built_for("a:volume(color=#ffff00)"), 0);
+  EXPECT_EQ(built_for("*:volume(color=#ffff00)"), 20 * 14);
+  EXPECT_EQ(built_for("*:volume(color=#ffff00) + c:volume(color=#ffff00,opacity=0.5)"), 10 * 6);
+  EXPECT_EQ(built_for("*:volume(color=#ffff00) - d"), 10 * 14) << "c, and most rows";
+  EXPECT_EQ(built_for("*:volume(color=#ffff00) + c:volume(color=#ff0000)"), 30 * 20) << "three emissions";
 }
 
 }  // namespace
