@@ -48,15 +48,18 @@ Json pick_json(const std::optional<Pick>& pick, const StructureGraph& graph) {
           {"point", pick->point_lps_mm}};
 }
 
+/// A structure and its descendants.
+Result<std::vector<StructureIndex>> subtree_of(const StructureGraph& graph, int structure) {
+  const auto index = static_cast<StructureIndex>(structure);
+  if (index < graph.size()) return graph.descendants(index);
+  return fail(ErrorCode::kNotFound, "structure {}: the atlas has {}", index, graph.size());
+}
+
 /// Fits the camera of a state to the selection, or to its part in a structure and its descendants.
 Result<Camera> fit(Renderer& renderer, const PageState& state, const PageFit& fit) {
-  const StructureGraph& graph = renderer.atlas().graph();
   std::optional<std::vector<StructureIndex>> part;
   if (fit.structure >= 0) {
-    const auto index = static_cast<StructureIndex>(fit.structure);
-    if (index >= graph.size())
-      return fail(ErrorCode::kNotFound, "structure {}: the atlas has {}", index, graph.size());
-    part = graph.descendants(index);
+    SPLATLAS_ASSIGN_OR_RETURN(part, subtree_of(renderer.atlas().graph(), fit.structure));
   }
   RenderOptions options = state.options;
   options.quality = Quality::kDraft;
@@ -186,6 +189,26 @@ struct PageEngine::Call {
     return answer;
   }
 
+  Result<Json> light() const {
+    constexpr int kStep = 4;  // pixels: picks of all take a second
+    SPLATLAS_ASSIGN_OR_RETURN(const Renderer* const renderer, this->renderer());
+    const StructureGraph& graph = renderer->atlas().graph();
+    SPLATLAS_ASSIGN_OR_RETURN(const auto subtree, subtree_of(graph, request.at("structure").get<int>()));
+    std::vector<bool> is_lit(graph.size());
+    for (const StructureIndex s : subtree) is_lit[s] = true;
+    const auto [width, height] = engine.frame_.picture.size;
+    const auto structure = structure_at(engine.frame_);
+    Json rows = Json::array();
+    for (int y = kStep / 2; y < height; y += kStep) {
+      std::string& row = rows.emplace_back("").get_ref<std::string&>();
+      for (int x = kStep / 2; x < width; x += kStep) {
+        const StructureIndex shown = structure(x, y);
+        row += shown != kNoStructure && is_lit[shown] ? '1' : '0';
+      }
+    }
+    return rows;
+  }
+
   Result<Json> labels() const {
     SPLATLAS_ASSIGN_OR_RETURN(const Renderer* const renderer, this->renderer());
     if (engine.frame_.picture.rgba.empty()) return fail(ErrorCode::kUsage, "there is no picture");
@@ -213,6 +236,7 @@ struct PageEngine::Call {
     if (name == "draw") return draw();
     if (name == "pick") return pick();
     if (name == "labels") return labels();
+    if (name == "light") return light();
     if (name == "fit") return fit_camera();
     if (name == "select") return select();
     if (name == "open") return open();

@@ -44,6 +44,8 @@ class PageEngine {
   ///   - draw {state}: draws. {camera, missing, ms, warnings}, and with the first picture of a selection
   ///     drawn: [["surface", 0.4, "#c0392b"], ["off"], ...] by structure; the default opacity is null.
   ///   - pick {at}: the structure at [x, y] of the latest picture, and its point; or null.
+  ///   - light {structure}: where the latest picture shows a structure or its descendants: a string of 0 and 1
+  ///     for every fourth row, with a digit for every fourth column.
   ///   - labels {see page_labels()}: names with leader lines on the latest picture.
   [[nodiscard]] PageAnswer call(std::string_view request, std::vector<std::byte> bytes = {},
                                 const RenderControl& control = {});

@@ -209,6 +209,12 @@ class Splatlas {
     return this.#call('pick', {at: [x, y]});
   }
 
+  /** Where the latest picture shows a structure or its descendants. @param {number} structure index
+   * @returns {string[]} for every fourth row, with '1' or '0' for every fourth column */
+  light(structure) {
+    return this.#call('light', {structure});
+  }
+
   /** Names with leader lines on the latest picture, as on a printed page, for a canvas of its size.
    * @param {object} options glyphs: the width of each letter in em; dpi: names have 8.5 points; background: '#rrggbb';
    *   labels: names of structures, none for all but ghosts

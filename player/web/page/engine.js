@@ -77,7 +77,7 @@ class RemoteFile {
   }
 }
 
-/** Draws the newest state by workers. Calls the handlers {ready, picture, drawn, picked, hovered, labelled, told,
+/** Draws the newest state by workers. Calls the handlers {ready, picture, drawn, picked, hovered, labelled, lit, told,
  * error, stopped, ended}: `ended` when the program has, `told` is an error beside the picture, `error` one in its place. */
 class Engine {
   #handlers;
@@ -166,6 +166,11 @@ class Engine {
     this.#workers[0].postMessage({type: 'hover', serial: this.#serial, u, v});
   }
 
+  /** Asks where a structure is in the latest picture. */
+  light(structure) {
+    this.#workers[0].postMessage({type: 'light', serial: this.#serial, structure});
+  }
+
   /** Asks for names on the finished picture. */
   label(options) {
     this.#workers.at(-1).postMessage({type: 'label', serial: this.#serial, options});
@@ -209,6 +214,7 @@ class Engine {
     if (message.type === 'picked') return this.#handlers.picked(message.picked, message.pick);
     if (message.type === 'hovered') return this.#handlers.hovered(message.hovered);
     if (message.type === 'labelled') return message.serial === this.#serial && this.#handlers.labelled(message.layer);
+    if (message.type === 'lit') return message.serial === this.#serial && this.#handlers.lit(message.rows);
     if (message.type === 'fitted' || message.of === 'fit') {
       if (message.serial !== this.#fit?.serial) return undefined;
       return message.type === 'fitted' ? this.#fit.resolve(message.camera) : this.#fit.reject(new Error(message.message));

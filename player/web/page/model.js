@@ -255,11 +255,19 @@ class Model {
     this.change({base: '', edits: []}, camera);
   }
 
+  /** The structures with this name or id, where `*` is any text; without any, those with this term. */
+  named(text) {
+    const pattern = new RegExp(`^${text.split('*').map(part => part.replace(/[^\w\s]/g, '\\$&')).join('.*')}$`, 'i');
+    const having = texts => [...this.structures.keys()].filter(index => texts(this.structures[index]).some(value => pattern.test(value)));
+    const found = having(({name, id}) => [name, id]);
+    return found.length > 0 ? found : having(({terms = []}) => terms.map(({value}) => value));
+  }
+
   /** Shows a subtree within the hulls of all others. */
-  ghostOthers(index, camera) {
+  ghostOthers(index, camera, cuts = this.state.cuts) {
     const mode = this.mode(index);
     const own = ['surface', 'volume', 'both'].includes(mode) ? mode : 'surface';
-    this.change({base: `"${this.structures[index].id}":${own} + rest(ghost)`, edits: []}, camera);
+    this.change({base: `"${this.structures[index].id}":${own} + rest(ghost)`, edits: [], cuts}, camera);
   }
 
   /**

@@ -17,8 +17,9 @@ class Page {
     picture: message => this.#takePicture(message),
     drawn: drawn => this.#takeDrawn(drawn),
     picked: (picked, {purpose, u, v}) => this.#takePick(picked, purpose, u, v),
-    hovered: picked => this.#pointer.show(picked),
+    hovered: picked => this.#pointer.show(this.#quiz.isAsking() ? null : picked),
     labelled: layer => { if (layer) this.#names.show(layer, this.#pictures.width, this.#pictures.height); },
+    lit: lightUp,
     told: (text, of) => this.#tell(of === 'label' && /too small/.test(text) ? 'There is no room for names of this size.' : text),
     error: text => this.#takeError(text),
     stopped: text => this.#stopFor(text),
@@ -37,6 +38,7 @@ class Page {
   #pointer = new PointerName((u, v) => this.#engine.hover(u, v));
   #menu = null;
   #lesson = null;
+  #quiz = null;
   #names = null;
   #keys = new Map();  // what keys do
   #named = null;      // index of the structure whose name is on the picture
@@ -74,7 +76,7 @@ class Page {
     this.#stage.start(this.#opening.camera, info.display);
     this.#inspector = new Inspector(model, camera, changed);
     this.#tree = new Tree(model, {
-      choose: index => this.#inspector.choose(index),
+      choose: index => this.#choose(index),
       toggle: index => this.#inspector.toggle(index),
     });
     this.#scenes = new Scenes(info.scenes, n => this.#showScene(n), () => this.#answer());
@@ -87,6 +89,14 @@ class Page {
         this.#mark();
       },
       labelled: () => this.#labelPicture(), tell: text => this.#tell(text),
+    });
+    this.#quiz = new Quiz(model, {
+      state: () => this.#state(), restore: state => this.#restore(state), show: n => this.#showScene(n),
+      light: index => {
+        this.#edit(at => model.ghostOthers(index, at, []));
+        this.#fitSelection();
+      },
+      answered: () => this.#labelPicture(),
     });
     this.#startViews(info.views);
     this.#startSearch();
@@ -259,13 +269,19 @@ class Page {
       element('small', {}, nameElement(path.slice(0, -1).join(' › ')))]));
   }
 
+  #choose(index) {
+    this.#inspector.choose(index);
+    if (this.#model.mode(index) !== 'off') this.#engine.light(index);
+  }
+
   #takePick(picked, purpose, u, v) {
+    if (this.#quiz.takes(picked?.index ?? null)) return;
     this.#name(picked?.index ?? null);
     if (picked === null) return;
     byId('search').value = '';
     this.#tree.show(null);
     this.#tree.reveal(picked.index);
-    this.#inspector.choose(picked.index);
+    this.#choose(picked.index);
     this.#pointer.hide();
     if (purpose === 'focus') this.#focus(picked.index);
     const [width, height] = this.#stage.size();
@@ -302,7 +318,7 @@ class Page {
     clearTimeout(this.#messageTimer);
     this.#endWait();
     document.body.dataset.stopped = 'true';
-    for (const part of ['canvas', 'views', 'scenes', 'structures', 'cutting', 'display', 'record', 'scene-editor', 'undo', 'redo',
+    for (const part of ['canvas', 'views', 'scenes', 'structures', 'cutting', 'quiz', 'display', 'record', 'scene-editor', 'undo', 'redo',
       'show-all', 'hide-all', 'large']) byId(part).inert = true;
   }
 
@@ -333,7 +349,7 @@ class Page {
     const labels = scene === null || this.#model.differsFromScene() ? [] : this.#model.info.scenes[scene].labels;
     const options = this.#names.options(labels, this.#pictures.width / this.#stage.size()[0]);
     this.#names.hide();
-    if (options && document.body.dataset.quality !== 'draft') this.#engine.label(options);
+    if (options && document.body.dataset.quality !== 'draft' && !this.#quiz.isAsking()) this.#engine.label(options);
   }
 
   /** Changes parts of the camera: a step of undo. */

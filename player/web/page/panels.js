@@ -195,7 +195,7 @@ class Cuts {
   }
 }
 
-/** Tabs of the panel, with the keys of a tab list. */
+/** Tabs of the panel, with the keys of a tab list. On phones the panel is a sheet: a tab opens it, and closes it again. */
 function startTabs() {
   const tabs = [...document.querySelectorAll('[role=tab]')];
   const choose = chosen => {
@@ -206,7 +206,10 @@ function startTabs() {
     }
   };
   tabs.forEach((tab, n) => {
-    tab.addEventListener('click', () => choose(tab));
+    tab.addEventListener('click', () => {
+      document.body.toggleAttribute('data-sheet', !document.body.hasAttribute('data-sheet') || tab.getAttribute('aria-selected') !== 'true');
+      choose(tab);
+    });
     tab.addEventListener('keydown', event => {
       const at = {ArrowRight: n + 1, ArrowLeft: n - 1, Home: 0, End: -1}[event.key];
       if (at === undefined) return;

@@ -83,6 +83,17 @@ class Menu {
   }
 }
 
+/** Fades all for a moment but where the rows have a 1, as of Splatlas.light(). */
+function lightUp(rows) {
+  if (!rows.some(row => row.includes('1'))) return;
+  const canvas = document.getElementById('light');
+  [canvas.width, canvas.height] = [rows[0].length, rows.length];
+  const context = canvas.getContext('2d');
+  context.fillStyle = stageColor();
+  rows.forEach((row, y) => [...row].forEach((digit, x) => { if (digit === '0') context.fillRect(x, y, 1, 1); }));
+  canvas.animate([{opacity: 0.85}, {opacity: 0.85, offset: 0.4}, {opacity: 0}], 600);
+}
+
 /** The colour behind the picture, as #rrggbb. */
 function stageColor() {
   const [, ...parts] = /(\d+), (\d+), (\d+)/.exec(getComputedStyle(document.querySelector('main')).backgroundColor);

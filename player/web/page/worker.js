@@ -1,8 +1,8 @@
 // A worker of the page: draws and picks by an engine. Follows splatlas.js in one script.
 //
 // From the page:  {type: 'start', server, or module with atlas or size}, 'given' and 'withheld' pieces of an atlas on a
-//                 server, and then {type: 'draw'}, 'pick', 'hover', 'label' and 'fit'; see engine.js.
-// To the page:    'wanted' pieces, 'ready', 'picture', 'picked', 'hovered', 'labelled', 'fitted', 'cancelled', 'error'
+//                 server, and then {type: 'draw'}, 'pick', 'hover', 'label', 'light' and 'fit'; see engine.js.
+// To the page:    'wanted' pieces, 'ready', 'picture', 'picked', 'hovered', 'labelled', 'lit', 'fitted', 'cancelled', 'error'
 //                 (the worker goes on) and 'fatal' (it does not).
 'use strict';
 
@@ -98,13 +98,14 @@ function take(pieces) {
 
 function work() {
   isAwake = false;
-  const {draw, pick, hover, fit, label} = requests;
+  const {draw, pick, hover, fit, label, light} = requests;
   requests = {};
   if (draw) attempt(drawPicture, draw);
   if (pick) attempt(answerPick, pick);
   if (hover) attempt(answerHover, hover);
   if (fit) attempt(answerFit, fit);
   if (label) attempt(answerLabel, label);
+  if (light) attempt(answerLight, light);
 }
 
 /** Posts what task(request) returns. Tells the page about errors; after a trap this worker is of no use. */
@@ -171,6 +172,11 @@ function answerFit({state: {select, cuts, size, camera}}) {
 /** Names on the finished picture, while it is the latest. */
 function answerLabel({serial, options}) {
   return {type: 'labelled', layer: latest?.serial === serial ? splatlas.labels(options) : null};
+}
+
+/** Where a structure is in the latest picture. */
+function answerLight({serial, structure}) {
+  return {type: 'lit', rows: latest?.serial === serial ? splatlas.light(structure) : []};
 }
 
 /** The name under a resting pointer, in the latest picture alone. */

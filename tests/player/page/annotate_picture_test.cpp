@@ -109,8 +109,8 @@ DiscScene discs_in(const PictureRegion& region, const PictureSize& size, std::si
                top = region.top * size.height, bottom = region.bottom * size.height;
   const double radius = 0.06 * std::min(right - left, bottom - top);
   for (std::size_t n = 0; n < discs; ++n) {
-    scene.add(static_cast<StructureIndex>(n), within(left + radius, right - radius),
-              within(top + radius, bottom - radius), radius);
+    const double x = within(left + radius, right - radius);  // before y with any compiler
+    scene.add(static_cast<StructureIndex>(n), x, within(top + radius, bottom - radius), radius);
   }
   return scene;
 }

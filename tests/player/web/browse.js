@@ -4,8 +4,8 @@
 // FOLDER/site has its site, which a server with ranges and one without give to the browser, too.
 // Loads it, drags, searches for NAME, chooses, picks, cuts, undoes, and steps through the scenes, at the sizes of a
 // desk and of a phone. Console messages, requests and dialogs are failures. Writes screenshots into FOLDER.
-// The page must have scenes. Installs puppeteer-core in FOLDER. SPLATLAS_BROWSER may name another Chromium, or Firefox.
-// Exit status 77: puppeteer-core or the browser is missing.
+// The page must have scenes. Installs puppeteer-core and axe-core in FOLDER. SPLATLAS_BROWSER may name another Chromium, or Firefox.
+// Exit status 77: these or the browser are missing.
 'use strict';
 const assert = require('node:assert');
 const {execFileSync, spawn} = require('node:child_process');
@@ -26,17 +26,17 @@ const kDragMoves = 60;
 const kFrameMs = 30;
 const kMinDraftRate = 3;  // a second; slow machines run other tests meanwhile
 
-const kPuppeteer = 'puppeteer-core@24';
+const kPackages = ['puppeteer-core@24', 'axe-core@4'];
 
 const [file, folder, name, player, atlas] = process.argv.slice(2);
 
-/** The library that drives browsers; null where it cannot be installed. */
+/** The library that drives browsers; null where it or axe cannot be installed. */
 function puppeteer() {
   const load = createRequire(path.resolve(folder, 'package.json'));
   try {
-    if (!fs.existsSync(path.join(folder, 'node_modules', 'puppeteer-core'))) {
+    if (!fs.existsSync(path.join(folder, 'node_modules', 'axe-core'))) {
       fs.writeFileSync(path.join(folder, 'package.json'), '{}');
-      execFileSync('npm', ['install', '--no-audit', '--no-fund', kPuppeteer], {cwd: folder, stdio: 'ignore'});
+      execFileSync('npm', ['install', '--no-audit', '--no-fund', ...kPackages], {cwd: folder, stdio: 'ignore'});
     }
     return load('puppeteer-core');
   } catch {
@@ -88,8 +88,13 @@ class Visit {
     return this.page.$eval(selector, each => each.textContent);
   }
 
+  /** A screenshot of a state that axe finds no fault in. */
   async picture(name) {
     await this.page.screenshot({path: path.join(folder, `${name}.png`)});
+    await this.page.evaluate(fs.readFileSync(path.join(folder, 'node_modules', 'axe-core', 'axe.min.js'), 'utf8'));
+    const faults = await this.page.evaluate(async () => (await window.axe.run()).violations.map(
+      ({id, nodes}) => `${id}: ${nodes.map(({target}) => target).join(', ')}`));
+    assert.deepStrictEqual(faults, [], name);
   }
 
   async hasNoOverflow() {
@@ -265,6 +270,30 @@ async function ask(visit) {
   assert.strictEqual(await visit.text('#caption'), 'The <b>first</b> one.');
 }
 
+/** Names the structure that is asked for, looks for one, and has the picture of before at the end. */
+async function quiz(visit) {
+  const {page} = visit;
+  const shown = () => page.evaluate(() => window.splatlas.state().select);
+  const task = start => page.waitForFunction(
+    text => document.getElementById('quiz-task').textContent.startsWith(text), {timeout: kPatience}, start);
+  const before = await shown();
+  await page.click('#tab-quiz');
+  await visit.changes('name it', () => page.click('#quiz-name'));
+  await visit.picture('desk_quiz');
+  const asked = (await shown()).match(/^"([^"]*)"/)[1];
+  const names = await page.$$eval('#quiz-names button', buttons => buttons.map(button => button.textContent));
+  assert.ok(names.includes(asked) && new Set(names).size === names.length, names.join());
+  await page.click(`#quiz-names button:nth-child(${names.indexOf(asked) + 1})`);
+  await task(`Right: ${asked}.`);
+  await visit.changes('find it', () => page.click('#quiz-find'));
+  await task('Click: ');
+  await page.mouse.click(...await middleOf(visit));
+  await page.waitForFunction(() => document.getElementById('quiz-score').textContent.endsWith('of 2 right'), {timeout: kPatience});
+  await page.click('#quiz-end');
+  await page.evaluate(() => window.splatlas.idle());
+  assert.strictEqual(await shown(), before);
+}
+
 /** A scene is recorded, and shows what was on the screen; the file has all that a lesson needs. */
 async function record(visit) {
   const {page} = visit;
@@ -314,6 +343,7 @@ async function onDesk(visit, url) {
   assert.match(await visit.text('#place'), /^2 of/);
   await visit.picture('desk_scene');
   await ask(visit);
+  await quiz(visit);
   await record(visit);
   await visit.changes('scene', () => page.keyboard.press('p'));
   await visit.changes('drag', () => drag(visit));
@@ -340,8 +370,12 @@ async function onPhone(visit, url) {
   await visit.picture('phone_scene');
   await buttonsAreInside(visit, [[390, 844]]);
   await visit.changes('view', () => visit.page.tap('#views button:nth-child(5)'));
+  const {height} = await (await visit.page.$('#canvas')).boundingBox();
+  assert.ok(height >= 0.6 * kPhone.height, `picture of ${height} pixels`);
   await visit.page.tap('#tab-cutting');
   await visit.picture('phone_cuts');
+  await visit.page.tap('#tab-cutting');
+  await visit.page.waitForSelector('#cutting', {hidden: true, timeout: kPatience});
 }
 
 /** Opens a link of the page: the same state. Bad links give a message, and the opening picture or what was there. */

@@ -66,6 +66,11 @@ finds('occipital lobes', 'Occipital lobe', 1);
 finds('hipocampus', 'Left hippocampus', 4);
 finds('girus', 'Left precentral gyrus', 56);
 
+// Names of a quiz: wildcards, and terms after names.
+for (const text of ['*left THALAMUS', 'Thalamus_L'])
+  assert.deepStrictEqual(model.named(text).map(index => model.structures[index].name), ['Left thalamus']);
+assert.deepStrictEqual(model.named('(Left thalamus'), []);
+
 // The nearest where nothing fits: AAL has no brain stem.
 finds('brain stem', 'Rest of brain', 5, true);
 finds('corpus callosum', 'Left amygdala', 5, true);

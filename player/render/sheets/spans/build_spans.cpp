@@ -38,7 +38,8 @@ void prefetch(std::size_t voxel, std::size_t voxels, const ClassCache& cache) {
     hwy::Prefetch(cache.values() + at);
 }
 
-/// Sets the emissions, colour and mean extinction of a model. `appearances` are those of the plan's classes.
+}  // namespace
+
 void set_appearances(const DrawPlan& plan, std::span<const VolumeAppearance> appearances,
                      const ClassTable& classes, SpanModel& model) {
   std::optional<std::array<float, 3>> color;
@@ -57,8 +58,6 @@ void set_appearances(const DrawPlan& plan, std::span<const VolumeAppearance> app
   model.color = one_color ? *color : std::array<float, 3>{1, 1, 1};
   model.mean_densest_per_mm = voxels > 0 ? extinctions / voxels : 0;
 }
-
-}  // namespace
 
 RowRange SheetStrip::rows_of(std::int64_t slice) const {
   const double before = shear.v_shift(static_cast<double>(slice) - 1);

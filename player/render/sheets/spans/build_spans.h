@@ -15,6 +15,10 @@
 
 namespace splatlas {
 
+/// Sets the emissions, colour and mean extinction of a model. `appearances` are those of the plan's classes.
+void set_appearances(const DrawPlan& plan, std::span<const VolumeAppearance> appearances,
+                     const ClassTable& classes, SpanModel& model);
+
 /// Input of SpanBuilder::build().
 struct SpanRequest {
   const SelectedRuns& runs;
