@@ -64,10 +64,9 @@ void light_kept_spans(SpanModel& model, std::span<const float> factors, std::spa
   });
 }
 
-/// Time to build spans, per voxel and thread.
-constexpr double kBuildMsPerVoxel = 40e-6;
-/// The same for means without spans, and the longest that a draft may wait for them.
-constexpr double kMeansMsPerVoxel = 150e-6, kMaxMeansMs = 500;
+/// Time to build spans, per voxel and thread, and the longest that a draft waits for those that blocks can
+/// stand in for.
+constexpr double kBuildMsPerVoxel = 40e-6, kMaxBuildMs = 130;
 
 /// Voxels of a volume with means in the file.
 double stored_means(const SpanSource& source) {
@@ -136,30 +135,32 @@ SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& vie
   std::optional<AxisSpans>& spans = spans_[static_cast<std::size_t>(axis)];
 
   // Choose the detail
-  const bool is_fine = spans && spans->current(shade);
-  const bool is_ready =
-      bytes <= max_bytes && (is_fine || static_cast<double>(voxels) * kBuildMsPerVoxel / pool.threads() <=
-                                            2 * options.draft_budget_ms);
-  const VolumeDetail detail =
-      may_be_rough(options) ? pace_.next(shear.voxel_pixels(), is_ready) : VolumeDetail{};
+  const bool fits = bytes <= max_bytes;
+  const bool is_ready = fits && ((spans && spans->current(shade)) ||
+                                 stored_means(source) * kBuildMsPerVoxel / pool.threads() <= kMaxBuildMs);
+  VolumeDetail detail;
+  if (may_be_rough(options)) {
+    detail = pace_.next(shear.voxel_pixels(), is_ready);
+    const bool has_means = means_ && means_->fit(axis, detail.level, shade);
+    if (detail.level > 0 && !has_means && !is_ready) {
+      if (require_blocks(source, pool)) return prepare_blocks(view, axis, shade, lighting, stats, pool);
+      detail = {};
+    }
+  }
   stats.level = detail.level;
-  stats.strips = detail.level == 0 && bytes > max_bytes;
+  stats.strips = detail.level == 0 && !fits;
   const auto built = [&] {
     stats.traversal = watch.lap();
     stats.select_ms += stats.traversal.wall_ms;
   };
-  const bool has_means = means_ && means_->fit(axis, detail.level, shade);
-  if (detail.level > 0 && !has_means && !is_fine &&
-      stored_means(source) * kMeansMsPerVoxel / pool.threads() > kMaxMeansMs &&
-      require_blocks(source, pool)) {
-    return prepare_blocks(view, axis, shade, lighting, stats, pool);
-  }
   blocks_.reset();
   if (detail.level > 0) {
-    if (!has_means) {
+    if (!means_ || !means_->fit(axis, detail.level, shade)) {
       means_.reset();
-      means_.emplace(SpanRequest{runs, plan, appearances, atlas->classes(), atlas->grid(), cache, shade},
-                     is_fine ? &spans->model() : nullptr, detail.level, pool);
+      if (!spans) spans.emplace();
+      spans->require(source, std::move(runs), pool);
+      latest_ = axis;
+      means_.emplace(spans->model(), shade, detail.level, pool);
     }
     built();
     means_->light(view, lighting, pool);

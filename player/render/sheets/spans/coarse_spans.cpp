@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -14,24 +15,15 @@
 namespace splatlas {
 namespace {
 
-/// Blocks [first, first + count) of the grid that cover voxels `from` to `to`.
-struct BlockRange {
-  std::int64_t first = 0, count = 0;
-
-  BlockRange(std::int64_t from, std::int64_t to, int level)
-      : first(from >> level), count((to >> level) - first + 1) {}
-};
-
 /// Builds the slices of blocks, one at a time.
 class SliceAverager {
  public:
-  SliceAverager(const SpanRequest& request, int level, const SpanModel& model)
-      : request_(request),
+  SliceAverager(const SpanModel& fine, bool shade, int level, const SpanModel& model)
+      : fine_(fine),
+        shade_(shade),
         level_(level),
         model_(model),
-        scan_(ScanOrder::of(model.axis)),
         width_(static_cast<std::size_t>(model.scan_voxels)),
-        lighter_(request.runs, request.cache, request.grid, request.shade),
         sums_(width_ * static_cast<std::size_t>(model.rows)),
         rows_(static_cast<std::size_t>(model.rows), {width_, 0}),
         normals_(width_),
@@ -41,18 +33,7 @@ class SliceAverager {
   std::size_t gather(std::int64_t slice) {
     std::size_t blocks = 0;
     for (std::int64_t of = slice << level_; of < (slice + 1) << level_; ++of) {
-      request_.runs.for_each(of, [&](const ClassRun& run, std::uint32_t draw) {
-        add(of, run, draw);
-        blocks += (run.length >> level_) / kBlock + 3;
-      });
-    }
-    return blocks * kBlock * static_cast<std::size_t>(1 + model_.emissions);
-  }
-  /// The same from the spans of the voxels.
-  std::size_t gather(std::int64_t slice, const SpanModel& fine) {
-    std::size_t blocks = 0;
-    for (std::int64_t of = slice << level_; of < (slice + 1) << level_; ++of) {
-      const SliceSpans* const voxels = fine.slice(of);
+      const SliceSpans* const voxels = fine_.slice(of);
       if (voxels == nullptr) continue;
       LitCursor lit(voxels->lit);
       for (std::int64_t row = voxels->first_row; row < voxels->last_row; ++row) {
@@ -79,36 +60,6 @@ class SliceAverager {
     std::size_t first = 0, last = 0;
   };
 
-  /// Adds the voxels of a run to the sums of their blocks.
-  void add(std::int64_t slice, const ClassRun& run, std::uint32_t draw) {
-    constexpr std::uint32_t kAtOnce = 256;
-    const VolumeAppearance& look = request_.appearances.appearances()[draw];
-    const VoxelLight light =
-        lighter_.light(look, request_.plan.classes[draw].boundary, slice, run.row, run.start, run.length);
-    const std::size_t row = static_cast<std::size_t>((std::int64_t{run.row} >> level_) - model_.row_first);
-    VoxelSums* const row_sums = sums_.data() + row * width_;
-    const Index3& size = request_.grid.size;
-    const std::array<std::int64_t, 3> steps{1, size[0], size[0] * size[1]};
-    const auto step = static_cast<std::size_t>(steps[scan_.scan_axis]);
-    auto voxel = static_cast<std::size_t>(slice * steps[scan_.slice_axis] + run.row * steps[scan_.row_axis] +
-                                          run.start * steps[scan_.scan_axis]);
-    std::array<float, kAtOnce> extinctions, whites;
-    for (std::uint32_t done = 0; done < run.length; done += kAtOnce) {
-      const std::uint32_t count = std::min(kAtOnce, run.length - done);
-      look.look_up(request_.cache.values(), voxel, step, count, extinctions.data(), whites.data());
-      for (std::uint32_t n = 0; n < count; ++n) {
-        VoxelSums& sums = row_sums[index(run.start + done + n)];
-        sums.extinction += extinctions[n];
-        sums.weight += whites[n];
-        for (std::size_t c = 0; c < 3; ++c) sums.emission[c] += whites[n] * look.color[c];
-        const float lit = whites[n] * share_of(light, done + n);
-        if (lit != 0) sums.add_light(lit, light.normals[(done + n) * light.stride], unpacked_);
-      }
-      voxel += count * step;
-    }
-    rows_[row].first = std::min(rows_[row].first, index(run.start));
-    rows_[row].last = std::max(rows_[row].last, index(run.start + run.length - 1) + 1);
-  }
   /// Adds the voxels of a span. `lit`: of the slice.
   void add(const SliceSpans& slice, std::int64_t row_of_grid, const Span& span, LitCursor& lit) {
     const auto row = static_cast<std::size_t>((row_of_grid >> level_) - model_.row_first);
@@ -124,15 +75,9 @@ class SliceAverager {
       std::array<float, 3> emission{};
       for (std::size_t c = 0; c < static_cast<std::size_t>(slice.emissions); ++c)
         emission[c] = is_lit != nullptr ? is_lit->white * lit.color()[c] : optics[(c + 1) * kBlock];
-      sums.add(optics[0], emission, request_.shade ? is_lit : nullptr, unpacked_);
+      sums.add(optics[0], emission, shade_ ? is_lit : nullptr, unpacked_);
     }
   }
-  /// The lit share of the n-th voxel.
-  static float share_of(const VoxelLight& light, std::uint32_t n) {
-    if (light.normals == nullptr) return 0;
-    return light.lit == nullptr ? 1 : static_cast<float>(light.lit[n]) / LitVoxel::kAllLit;
-  }
-
   [[nodiscard]] std::size_t index(std::uint32_t voxel) const {
     return static_cast<std::size_t>((std::int64_t{voxel} >> level_) - model_.scan_first);
   }
@@ -167,13 +112,12 @@ class SliceAverager {
     std::fill(row_sums + extent.first, row_sums + extent.last, VoxelSums{});
   }
 
-  const SpanRequest& request_;
+  const SpanModel& fine_;
+  const bool shade_;
   const int level_;
   const SpanModel& model_;
-  const ScanOrder scan_;
   const UnpackedNormals& unpacked_ = unpacked_normals();
-  const std::size_t width_;  // of the box, in blocks
-  VoxelLighter lighter_;
+  const std::size_t width_;      // of the box, in blocks
   std::vector<VoxelSums> sums_;  // of the slice's box; zero outside rows_
   std::vector<Extent> rows_;
   std::vector<PackedNormal> normals_;  // of a row
@@ -182,38 +126,36 @@ class SliceAverager {
 
 }  // namespace
 
-CoarseSpans::CoarseSpans(const SpanRequest& request, const SpanModel* fine, int level, ThreadPool& pool)
-    : level_(level), shaded_(request.shade) {
+CoarseSpans::CoarseSpans(const SpanModel& fine, bool shade, int level, ThreadPool& pool)
+    : level_(level), shaded_(shade) {
   // Frame the blocks
-  const SelectedRuns& runs = request.runs;
-  model_ = empty_model(request);
-  const IndexBox& box = runs.box();
-  if (runs.count() == 0) return;
-  const BlockRange scan(box.first[0], box.last[0], level), rows(box.first[1], box.last[1], level),
-      slices(box.first[2], box.last[2], level);
-  model_.scan_first = scan.first;
-  model_.scan_voxels = scan.count;
-  model_.row_first = rows.first;
-  model_.rows = rows.count;
-  model_.slice_first = slices.first;
-  model_.slice_count = slices.count;
-  for (const std::int64_t slice : runs.occupied()) {
-    if (model_.slices.empty() || model_.slices.back().number != slice >> level)
-      model_.slices.emplace_back().number = slice >> level;
+  model_.axis = fine.axis;
+  model_.emissions = fine.emissions;
+  model_.color = fine.color;
+  model_.mean_densest_per_mm = fine.mean_densest_per_mm;
+  if (fine.slices.empty()) return;
+  const auto frame = [level](std::int64_t first, std::int64_t count) {
+    return std::pair(first >> level, ((first + count - 1) >> level) - (first >> level) + 1);
+  };
+  std::tie(model_.scan_first, model_.scan_voxels) = frame(fine.scan_first, fine.scan_voxels);
+  std::tie(model_.row_first, model_.rows) = frame(fine.row_first, fine.rows);
+  std::tie(model_.slice_first, model_.slice_count) = frame(fine.slice_first, fine.slice_count);
+  for (const SliceSpans& slice : fine.slices) {
+    if (model_.slices.empty() || model_.slices.back().number != slice.number >> level)
+      model_.slices.emplace_back().number = slice.number >> level;
   }
 
   // Average slices in parallel
-  const std::uint64_t voxels = request.plan.volume_voxels + request.plan.hybrid_voxels;
-  arena_.expect((voxels >> (3 * level)) * static_cast<std::uint64_t>(1 + model_.emissions) * sizeof(float));
+  arena_.expect((fine.voxels >> (3 * level)) * static_cast<std::uint64_t>(1 + model_.emissions) *
+                sizeof(float));
   constexpr std::size_t kSlicesAtOnce = 4;
   pool.for_each((model_.slices.size() + kSlicesAtOnce - 1) / kSlicesAtOnce, [&](std::size_t job) {
-    SliceAverager averager(request, level, model_);
+    SliceAverager averager(fine, shade, level, model_);
     const std::size_t end = std::min(model_.slices.size(), (job + 1) * kSlicesAtOnce);
     for (std::size_t n = job * kSlicesAtOnce; n < end; ++n) {
       SliceSpans& slice = model_.slices[n];
       check_task();
-      slice.optics =
-          arena_.lend(fine != nullptr ? averager.gather(slice.number, *fine) : averager.gather(slice.number));
+      slice.optics = arena_.lend(averager.gather(slice.number));
       averager.write(slice);
       arena_.settle(slice.optics);
     }

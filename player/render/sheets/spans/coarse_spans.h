@@ -17,16 +17,15 @@ namespace splatlas {
 /// of their normals, weighted by emission. Not thread-safe.
 class CoarseSpans {
  public:
-  /// Builds the spans, unshaded, in parallel. They take no more memory than those of the voxels. `fine`: the
-  /// spans of the voxels, with the same request; null if there are none. Cost: linear in the selected voxels,
-  /// about 10 ns each with their spans and 150 ns without, and in the blocks of their box. Throws
+  /// Builds the spans, unshaded, in parallel, from those of the voxels. `shade`: list lit blocks, of a model
+  /// that lists lit voxels. Cost: about 10 ns per voxel, and linear in the blocks of their box. Throws
   /// std::bad_alloc.
-  CoarseSpans(const SpanRequest& request, const SpanModel* fine, int level, ThreadPool& pool);
+  CoarseSpans(const SpanModel& fine, bool shade, int level, ThreadPool& pool);
 
   /// Hybrid shading: applies the lighting of `view` to boundary voxels if it has changed.
   void light(const ParallelView& view, const Lighting& lighting, ThreadPool& pool);
 
-  /// True for spans along `axis` of this level; `shade`: of a request that lists boundary voxels.
+  /// True for spans along `axis` of this level; `shade`: those that list lit blocks.
   [[nodiscard]] bool fit(Axis axis, int level, bool shade) const {
     return model_.axis == axis && level_ == level && shaded_ == shade;
   }

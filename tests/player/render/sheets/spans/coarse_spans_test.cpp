@@ -15,16 +15,6 @@
 namespace splatlas {
 namespace {
 
-/// From the voxels, or from their spans.
-CoarseSpans coarse_spans(PreparedSelection& prepared, Axis axis, int level, const SpanModel* fine = nullptr) {
-  const SelectedRuns runs = prepared.runs(axis);
-  return {{runs, prepared.plan, prepared.appearances, prepared.atlas->classes(), prepared.atlas->grid(),
-           prepared.cache},
-          fine,
-          level,
-          prepared.pool};
-}
-
 TEST(CoarseSpans, AreTheMeansOfTheirVoxels) {
   std::uint64_t compared = 0;
   for (std::uint32_t number = 0; number < 30; ++number) {
@@ -36,13 +26,10 @@ TEST(CoarseSpans, AreTheMeansOfTheirVoxels) {
         reference::optical_field(scene.content, scene.selection, view, false);
     for (const Axis axis : kAxes) {
       for (const int level : {1, 2, 3}) {
-        const CoarseSpans spans = coarse_spans(prepared, axis, level);
+        const CoarseSpans spans(prepared.spans(axis), true, level, prepared.pool);
         compared += spans.model().voxels;
         const std::vector<reference::VoxelOptics> expected = means_of(field, grid, level);
         expect_near(unpacked(spans.model(), coarse_grid(grid, level)), expected, 1e-5);
-        const SpanModel fine = prepared.spans(axis);
-        const CoarseSpans of_spans = coarse_spans(prepared, axis, level, &fine);
-        expect_near(unpacked(of_spans.model(), coarse_grid(grid, level)), expected, 1e-5);
       }
     }
   }
@@ -57,11 +44,10 @@ TEST(CoarseSpans, LightTheSharesOfBoundaryVoxels) {
       *parallel_view({.azimuth_deg = 35, .elevation_deg = 50}, {64, 64}, content.display);
   const reference::OpticalField field = reference::optical_field(content, prepared.selection, view, true);
   const std::vector<reference::VoxelOptics> expected = means_of(field, volume.grid, 1);
-  for (const int n : {0, 1, 2, 3, 4, 5}) {
-    const Axis axis = kAxes[static_cast<std::size_t>(n % 3)];
+  for (const Axis axis : kAxes) {
     SpanModel fine = prepared.spans(axis);
     light_spans(fine, Lighting(view).table(), prepared.pool);  // means are of unlit voxels
-    CoarseSpans spans = coarse_spans(prepared, axis, 1, n < 3 ? nullptr : &fine);
+    CoarseSpans spans(fine, true, 1, prepared.pool);
     spans.light(view, Lighting(view), prepared.pool);
     const Grid coarse = coarse_grid(volume.grid, 1);
     const std::vector<reference::VoxelOptics> ours = unpacked(spans.model(), coarse);
@@ -81,10 +67,7 @@ TEST(CoarseSpans, AreNotLitUnlessTheRequestAsksForIt) {
   PreparedSelection prepared(scene.content, scene.selection);
   const SpanModel fine = prepared.spans(Axis::kZ);
   ASSERT_GT(fine.lit_voxels, 0u);
-  const SelectedRuns runs = prepared.runs(Axis::kZ);
-  const CoarseSpans spans({runs, prepared.plan, prepared.appearances, prepared.atlas->classes(),
-                           prepared.atlas->grid(), prepared.cache, false},
-                          &fine, 1, prepared.pool);
+  const CoarseSpans spans(fine, false, 1, prepared.pool);
   EXPECT_GT(spans.model().voxels, 0u);
   EXPECT_EQ(spans.model().lit_voxels, 0u);
 }
