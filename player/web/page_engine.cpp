@@ -95,6 +95,7 @@ struct PageEngine::Call {
   void close() const {
     engine.frame_ = {};
     engine.renderer_.reset();
+    engine.slices_.reset();
     engine.selected_.reset();
   }
 
@@ -209,6 +210,12 @@ struct PageEngine::Call {
     return rows;
   }
 
+  Result<Json> slice() const {
+    SPLATLAS_ASSIGN_OR_RETURN(const Renderer* const renderer, this->renderer());
+    const TaskControl task({}, {}, &renderer->atlas().work_budget());
+    return engine.slices_->slice(request.at("axis").get<int>(), request.at("index").get<std::int64_t>());
+  }
+
   Result<Json> labels() const {
     SPLATLAS_ASSIGN_OR_RETURN(const Renderer* const renderer, this->renderer());
     if (engine.frame_.picture.rgba.empty()) return fail(ErrorCode::kUsage, "there is no picture");
@@ -237,6 +244,7 @@ struct PageEngine::Call {
     if (name == "pick") return pick();
     if (name == "labels") return labels();
     if (name == "light") return light();
+    if (name == "slice") return slice();
     if (name == "fit") return fit_camera();
     if (name == "select") return select();
     if (name == "open") return open();
@@ -248,6 +256,7 @@ struct PageEngine::Call {
 };
 
 void PageEngine::open(std::shared_ptr<const Atlas> atlas) {
+  slices_.emplace(atlas);
   renderer_.emplace(std::move(atlas), options_);
   selected_.reset();
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "player/renderer.h"
+#include "player/web/page_slices.h"
 #include "player/web/remote_bytes.h"
 
 namespace splatlas {
@@ -44,8 +45,10 @@ class PageEngine {
   ///   - draw {state}: draws. {camera, missing, ms, warnings}, and with the first picture of a selection
   ///     drawn: [["surface", 0.4, "#c0392b"], ["off"], ...] by structure; the default opacity is null.
   ///   - pick {at}: the structure at [x, y] of the latest picture, and its point; or null.
-  ///   - light {structure}: where the latest picture shows a structure or its descendants: a string of 0 and 1
+  ///   - light {structure}: where the latest picture shows a structure or its descendants: a string of 0 and
+  ///   1
   ///     for every fourth row, with a digit for every fourth column.
+  ///   - slice {axis, index}: see PageSlices::slice().
   ///   - labels {see page_labels()}: names with leader lines on the latest picture.
   [[nodiscard]] PageAnswer call(std::string_view request, std::vector<std::byte> bytes = {},
                                 const RenderControl& control = {});
@@ -62,6 +65,7 @@ class PageEngine {
   std::optional<std::string> selected_;  // text of the selection
   std::vector<std::string> warnings_;    // about it
   bool is_told_ = true;                  // a picture has told of it
+  std::optional<PageSlices> slices_;
   Frame frame_;
   Camera camera_;  // of the frame
 };

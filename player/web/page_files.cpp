@@ -33,6 +33,7 @@ SPLATLAS_EMBED(panels_js, SPLATLAS_WEB_FOLDER "/page/panels.js")
 SPLATLAS_EMBED(talk_js, SPLATLAS_WEB_FOLDER "/page/talk.js")
 SPLATLAS_EMBED(lesson_js, SPLATLAS_WEB_FOLDER "/page/lesson.js")
 SPLATLAS_EMBED(quiz_js, SPLATLAS_WEB_FOLDER "/page/quiz.js")
+SPLATLAS_EMBED(slices_js, SPLATLAS_WEB_FOLDER "/page/slices.js")
 SPLATLAS_EMBED(page_js, SPLATLAS_WEB_FOLDER "/page/page.js")
 SPLATLAS_EMBED(splatlas_js, SPLATLAS_WEB_FOLDER "/splatlas.js")
 SPLATLAS_EMBED(worker_js, SPLATLAS_WEB_FOLDER "/page/worker.js")
@@ -61,7 +62,7 @@ std::string_view catalogue_style() {
 std::string page_script() {
   std::string script;
   for (const std::string_view part : {camera_js(), model_js(), engine_js(), stage_js(), tree_js(),
-                                      panels_js(), talk_js(), lesson_js(), quiz_js(), page_js()})
+                                      panels_js(), talk_js(), lesson_js(), quiz_js(), slices_js(), page_js()})
     script += part;
   return script;
 }

@@ -215,6 +215,13 @@ class Splatlas {
     return this.#call('light', {structure});
   }
 
+  /** The slice number `index` across an axis of the storage grid, 0 to 2, row by row along the first of the others.
+   * @returns {{labels: number[], greys: string}} runs [1 + index of a structure or 0, count, ...], and two hexadecimal
+   *   digits a voxel */
+  slice(axis, index) {
+    return this.#call('slice', {axis, index});
+  }
+
   /** Names with leader lines on the latest picture, as on a printed page, for a canvas of its size.
    * @param {object} options glyphs: the width of each letter in em; dpi: names have 8.5 points; background: '#rrggbb';
    *   labels: names of structures, none for all but ghosts

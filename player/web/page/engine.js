@@ -77,7 +77,7 @@ class RemoteFile {
   }
 }
 
-/** Draws the newest state by workers. Calls the handlers {ready, picture, drawn, picked, hovered, labelled, lit, told,
+/** Draws the newest state by workers. Calls the handlers {ready, picture, drawn, picked, hovered, labelled, lit, sliced, told,
  * error, stopped, ended}: `ended` when the program has, `told` is an error beside the picture, `error` one in its place. */
 class Engine {
   #handlers;
@@ -171,6 +171,11 @@ class Engine {
     this.#workers[0].postMessage({type: 'light', serial: this.#serial, structure});
   }
 
+  /** Asks for slices [axis, index]. */
+  slice(wanted) {
+    this.#workers[0].postMessage({type: 'slices', serial: this.#serial, wanted});
+  }
+
   /** Asks for names on the finished picture. */
   label(options) {
     this.#workers.at(-1).postMessage({type: 'label', serial: this.#serial, options});
@@ -214,6 +219,7 @@ class Engine {
     if (message.type === 'picked') return this.#handlers.picked(message.picked, message.pick);
     if (message.type === 'hovered') return this.#handlers.hovered(message.hovered);
     if (message.type === 'labelled') return message.serial === this.#serial && this.#handlers.labelled(message.layer);
+    if (message.type === 'sliced') return this.#handlers.sliced(message.slices);
     if (message.type === 'lit') return message.serial === this.#serial && this.#handlers.lit(message.rows);
     if (message.type === 'fitted' || message.of === 'fit') {
       if (message.serial !== this.#fit?.serial) return undefined;

@@ -20,6 +20,7 @@ class Page {
     hovered: picked => this.#pointer.show(this.#quiz.isAsking() ? null : picked),
     labelled: layer => { if (layer) this.#names.show(layer, this.#pictures.width, this.#pictures.height); },
     lit: lightUp,
+    sliced: slices => this.#slices.take(slices),
     told: (text, of) => this.#tell(of === 'label' && /too small/.test(text) ? 'There is no room for names of this size.' : text),
     error: text => this.#takeError(text),
     stopped: text => this.#stopFor(text),
@@ -50,6 +51,7 @@ class Page {
   #inspector = null;
   #scenes = null;
   #cuts = null;
+  #slices = null;
   #lastGood = null;   // {state, camera, steps} of the latest that was drawn; of the opening picture before
   #typed = null;      // the text of "Show this selection" until its picture
   #messageTimer = 0;
@@ -80,7 +82,15 @@ class Page {
       toggle: index => this.#inspector.toggle(index),
     });
     this.#scenes = new Scenes(info.scenes, n => this.#showScene(n), () => this.#answer());
-    this.#cuts = new Cuts(model, camera, changed);
+    this.#slices = new Slices(model, {
+      ask: wanted => this.#engine.slice(wanted), named: index => this.#name(index),
+      moved: (mm, axis) => {
+        this.#cuts.move(mm, axis, camera());
+        changed();
+      },
+    });
+    this.#cuts = new Cuts(model, camera, changed, mm => this.#slices.show(mm));
+    byId('tab-cutting').addEventListener('click', () => this.#cuts.update());
     this.#lesson = new Lesson(model, {
       record: () => this.#recorded(), show: n => this.#showScene(n),
       list: () => {
@@ -256,6 +266,7 @@ class Page {
 
   #takeDrawn(drawn) {
     this.#model.drawn = drawn;
+    this.#slices.draw();
     this.#tree.update();
     this.#inspector.update();
     if (this.#named !== null && this.#model.mode(this.#named) === 'off') this.#name(null);

@@ -141,13 +141,15 @@ function boundsOf({size, spacing_mm: spacing, origin_lps_mm: origin, direction_l
   });
 }
 
-/** A slider for each axis. Calls the handler changed() after it has changed the model. */
+/** A slider for each axis. Calls the handlers changed() after it has changed the model, and placed(mm): of the sliders. */
 class Cuts {
   #model;
+  #placed;
   #rows;
 
-  constructor(model, camera, changed) {
+  constructor(model, camera, changed, placed) {
     this.#model = model;
+    this.#placed = placed;
     const bounds = boundsOf(model.info.storage_grid);
     const axes = [['Right to left', 'left', 'right'], ['Front to back', 'posterior', 'anterior'],
       ['Bottom to top', 'superior', 'inferior']];
@@ -191,6 +193,17 @@ class Cuts {
       if (cut !== null) slider.value = String(cut.offset);
       text.textContent = cut === null ? '' : place(Number(slider.value));
       slider.setAttribute('aria-valuetext', place(Number(slider.value)));
+    });
+    this.#placed(this.#rows.map(({slider}) => Number(slider.value)));
+  }
+
+  /** Moves the sliders, and cuts across an axis if nothing is cut. */
+  move(mm, axis, camera) {
+    const {cuts} = this.#model.state;
+    this.#rows.forEach(({slider}, n) => {
+      slider.value = String(mm[n]);
+      const cut = this.#model.cutAcross(n) ?? (cuts.length === 0 && n === axis ? {isFlipped: false} : null);
+      if (cut) this.#model.setCutAcross(n, {...cut, offset: Number(slider.value)}, camera, 'slices');
     });
   }
 }

@@ -1,8 +1,8 @@
 // A worker of the page: draws and picks by an engine. Follows splatlas.js in one script.
 //
 // From the page:  {type: 'start', server, or module with atlas or size}, 'given' and 'withheld' pieces of an atlas on a
-//                 server, and then {type: 'draw'}, 'pick', 'hover', 'label', 'light' and 'fit'; see engine.js.
-// To the page:    'wanted' pieces, 'ready', 'picture', 'picked', 'hovered', 'labelled', 'lit', 'fitted', 'cancelled', 'error'
+//                 server, and then {type: 'draw'}, 'pick', 'hover', 'label', 'light', 'slices' and 'fit'; see engine.js.
+// To the page:    'wanted' pieces, 'ready', 'picture', 'picked', 'hovered', 'labelled', 'lit', 'sliced', 'fitted', 'cancelled', 'error'
 //                 (the worker goes on) and 'fatal' (it does not).
 'use strict';
 
@@ -98,7 +98,7 @@ function take(pieces) {
 
 function work() {
   isAwake = false;
-  const {draw, pick, hover, fit, label, light} = requests;
+  const {draw, pick, hover, fit, label, light, slices} = requests;
   requests = {};
   if (draw) attempt(drawPicture, draw);
   if (pick) attempt(answerPick, pick);
@@ -106,6 +106,7 @@ function work() {
   if (fit) attempt(answerFit, fit);
   if (label) attempt(answerLabel, label);
   if (light) attempt(answerLight, light);
+  if (slices) attempt(answerSlices, slices);
 }
 
 /** Posts what task(request) returns. Tells the page about errors; after a trap this worker is of no use. */
@@ -177,6 +178,11 @@ function answerLabel({serial, options}) {
 /** Where a structure is in the latest picture. */
 function answerLight({serial, structure}) {
   return {type: 'lit', rows: latest?.serial === serial ? splatlas.light(structure) : []};
+}
+
+/** Slices [axis, index]. */
+function answerSlices({wanted}) {
+  return {type: 'sliced', slices: wanted.map(([axis, index]) => ({axis, index, ...splatlas.slice(axis, index)}))};
 }
 
 /** The name under a resting pointer, in the latest picture alone. */
