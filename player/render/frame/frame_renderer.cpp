@@ -109,7 +109,7 @@ bool shows_faces(const RenderOptions& options) {
 std::uint64_t frame_bytes(const RenderOptions& options) {
   std::uint64_t bytes_per_pixel = cues_depth(options) ? sizeof(float) : 0;
   if (options.depths) bytes_per_pixel += 2 * sizeof(float);
-  if (shows_faces(options)) bytes_per_pixel += sizeof(RayFaces) + sizeof(std::uint32_t);
+  if (shows_faces(options)) bytes_per_pixel += sizeof(RayFaces);
   if (options.ids) bytes_per_pixel += 2 * sizeof(StructureNumber);
   return picture_bytes(options.size) + pixels_of(options.size) * bytes_per_pixel;
 }

@@ -102,7 +102,6 @@ Result<RasterScene> SheetFrame::raster_scene_of_view() const {
 Result<void> SheetFrame::begin_volume(Picture& picture) {
   SPLATLAS_ASSIGN_OR_RETURN(
       window_, choose_window(volume_, sampling_of(volume_, scene_.options.quality), picture.size, planes()));
-  if (faces() != nullptr) hidden_.emplace(*faces());
   if (scene_.walked) walk(*scene_.walked);
   return {};
 }
@@ -150,9 +149,8 @@ void SheetFrame::render_sheet(const SheetWindow& window) {
   // The positive weights of the cubic kernel sum to at most 1.28, which amplifies the error of the sheet.
   const float threshold = termination_threshold(options) / (window.cubic ? 1.3f : 1.0f);
   const SplatKernels& kernels = scene_.overrides.simd ? best_kernels() : scalar_kernels();
-  stats_.voxels_visited +=
-      render_sheets(spans, shear, window, kernels, threshold, planes(), buffers_.order, buffers_.sheet, pool_,
-                    has_ends ? &buffers_.ends : nullptr, hidden_ ? &*hidden_ : nullptr);
+  stats_.voxels_visited += render_sheets(spans, shear, window, kernels, threshold, planes(), buffers_.order,
+                                         buffers_.sheet, pool_, has_ends ? &buffers_.ends : nullptr);
 }
 
 }  // namespace splatlas

@@ -5,7 +5,6 @@
 
 #include "player/render/frame/frame_renderer.h"
 #include "player/render/frame/span_store.h"
-#include "player/render/sheets/hidden_pixels.h"
 #include "player/render/sheets/warp/resolve.h"
 #include "player/render/view/sheet_window.h"
 
@@ -36,9 +35,8 @@ class SheetFrame : public FrameRenderer {
   [[nodiscard]] int level() const override { return volume_.detail.level; }
 
   const SheetVolume& volume_;
-  SheetWindow window_;                  // of the whole picture
-  std::optional<HiddenPixels> hidden_;  // by faces
-  CastOptions walk_;                    // of ids and depths
+  SheetWindow window_;  // of the whole picture
+  CastOptions walk_;    // of ids and depths
 };
 
 }  // namespace splatlas

@@ -8,7 +8,9 @@ namespace splatlas {
 
 void SheetEnds::build(std::span<const float> depths, const PictureSize& size, const Shear& shear,
                       const SheetWindow& window, const FragmentOrder& order, ThreadPool& pool) {
-  const Affine2 map = inverse(picture_to_pixels(shear, window));
+  // Invert the map from the picture to the sheet
+  const Affine2& map = shear.picture_to_sheet;
+  const double determinant = map.xx * map.yy - map.xy * map.yx;
   const double last_x = size.width - 1, last_y = size.height - 1;
   const auto rows = static_cast<std::size_t>(window.empty() ? 0 : window.fine_rows());
   rows_.resize(rows);
@@ -16,11 +18,11 @@ void SheetEnds::build(std::span<const float> depths, const PictureSize& size, co
   pool.for_each((rows + kRowsPerJob - 1) / kRowsPerJob, [&](std::size_t job) {
     for (std::size_t row = job * kRowsPerJob; row < std::min(rows, (job + 1) * kRowsPerJob); ++row) {
       rows_[row].clear();
-      const auto v = static_cast<double>(row);
+      const double v = static_cast<double>(window.v0) + static_cast<double>(row) / window.scale - map.y0;
       for (std::int64_t fine = 0; fine < window.fine_columns(); ++fine) {
-        const auto u = static_cast<double>(fine);
-        const double x = std::clamp(std::floor(map.xx * u + map.xy * v + map.x0), 0.0, last_x);
-        const double y = std::clamp(std::floor(map.yx * u + map.yy * v + map.y0), 0.0, last_y);
+        const double u = static_cast<double>(window.u0) + static_cast<double>(fine) / window.scale - map.x0;
+        const double x = std::clamp(std::floor((map.yy * u - map.xy * v) / determinant), 0.0, last_x);
+        const double y = std::clamp(std::floor((map.xx * v - map.yx * u) / determinant), 0.0, last_y);
         const float depth = depths[static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) +
                                    static_cast<std::size_t>(x)];
         if (!std::isfinite(depth)) continue;

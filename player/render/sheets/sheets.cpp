@@ -8,7 +8,6 @@
 #include "player/render/clip/clip_rows.h"
 #include "player/render/clip/clip_slabs.h"
 #include "player/render/sheets/band.h"
-#include "player/render/sheets/hidden_pixels.h"
 #include "player/render/sheets/sheet_ends.h"
 #include "player/render/sheets/splat/block_runs.h"
 
@@ -127,8 +126,7 @@ std::uint64_t count_voxels(const SheetPass& pass, const Clip& clip, std::int64_t
 /// Renders the bands in parallel. Returns the number of splatted voxels.
 template <class Clip>
 std::uint64_t render_bands(const SheetPass& pass, const SheetSpans& spans, const Clip& clip,
-                           FragmentOrder& order, const HiddenPixels* hidden, SheetImage& sheet,
-                           ThreadPool& pool) {
+                           FragmentOrder& order, SheetImage& sheet, ThreadPool& pool) {
   // Split the window into bands
   const SheetWindow& window = pass.window;
   const std::int64_t row_bytes =
@@ -146,7 +144,6 @@ std::uint64_t render_bands(const SheetPass& pass, const SheetSpans& spans, const
     static thread_local std::vector<float> floats;
     const std::int64_t first = static_cast<std::int64_t>(n) * band_rows;
     BandImage image(window, strip.model.emissions, first, std::min(first + band_rows, window.rows), floats);
-    if (hidden != nullptr) hidden->close(strip.shear, window, image);
     if (pass.ends != nullptr) {
       BandEnds ends(*pass.ends, image);
       Band(strip, clip, image, ends).render();
@@ -177,12 +174,12 @@ std::uint64_t render_bands(const SheetPass& pass, const SheetSpans& spans, const
 std::uint64_t render_sheets(const SheetSpans& spans, const Shear& shear, const SheetWindow& window,
                             const SplatKernels& kernels, float termination_threshold,
                             std::span<const VoxelPlane> planes, FragmentOrder& fragments, SheetImage& image,
-                            ThreadPool& pool, const SheetEnds* ends, const HiddenPixels* hidden) {
+                            ThreadPool& pool, const SheetEnds* ends) {
   const SheetPass pass{spans.frame(), shear, window, kernels, termination_threshold, fragments, ends};
   begin_sheet(pass, image);
-  if (planes.empty()) return render_bands(pass, spans, NoClip(), fragments, hidden, image, pool);
+  if (planes.empty()) return render_bands(pass, spans, NoClip(), fragments, image, pool);
   const ClipSlabs slabs(planes, shear, window, ImageRows::kMargin);
-  return render_bands(pass, spans, BandClip(slabs, window.scale), fragments, hidden, image, pool);
+  return render_bands(pass, spans, BandClip(slabs, window.scale), fragments, image, pool);
 }
 
 }  // namespace splatlas

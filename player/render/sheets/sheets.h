@@ -15,7 +15,6 @@
 
 namespace splatlas {
 
-class HiddenPixels;
 class SheetEnds;
 
 /// Splats the slices into sheets (Westover 1990) in sheared object space (Lacroute and Levoy 1994) and
@@ -26,12 +25,11 @@ class SheetEnds;
 /// the number of threads. The planes of a cut clip the slabs (ClipSlabs). Returns the number of splatted
 /// voxels, each counted once but for those at borders of strips; with a cut, of spans that are not removed as
 /// a whole. Cost: visible voxels * scale^2 * parts, plus fragments and pixels of the window. `ends`: rays
-/// end there, and there are no fragments; null: no ends. `hidden`: pixels without splats; null: none.
+/// end there, and there are no fragments; null: no ends.
 [[nodiscard]] std::uint64_t render_sheets(const SheetSpans& spans, const Shear& shear,
                                           const SheetWindow& window, const SplatKernels& kernels,
                                           float termination_threshold, std::span<const VoxelPlane> planes,
                                           FragmentOrder& fragments, SheetImage& image, ThreadPool& pool,
-                                          const SheetEnds* ends = nullptr,
-                                          const HiddenPixels* hidden = nullptr);
+                                          const SheetEnds* ends = nullptr);
 
 }  // namespace splatlas

@@ -19,12 +19,6 @@ struct Affine2 {
   double yx = 0, yy = 1, y0 = 0;  ///< y' = yx * x + yy * y + y0
 };
 
-[[nodiscard]] inline Affine2 inverse(const Affine2& map) {
-  const double scale = 1 / (map.xx * map.yy - map.xy * map.yx);
-  return {map.yy * scale,  -map.xy * scale, (map.xy * map.y0 - map.yy * map.x0) * scale,
-          -map.yx * scale, map.xx * scale,  (map.yx * map.x0 - map.xx * map.y0) * scale};
-}
-
 /// Sheared object space (Lacroute and Levoy 1994), in voxels. Voxel (scan i, row j) of slice k lies at
 ///   u = i - slope_u * (k - k_ref),   v = j - slope_v * (k - k_ref).
 /// Points on one ray share (u, v). The principal axis maximises the number of slices that a ray crosses, so
