@@ -11,8 +11,8 @@
 #include "player/render/frame/decoded_selection.h"
 #include "player/render/frame/drawn_selection.h"
 #include "player/render/frame/face_store.h"
-#include "player/render/frame/failed_frame.h"
 #include "player/render/frame/fit_selection.h"
+#include "player/render/frame/frame_renderer.h"
 #include "player/render/frame/ray_frame.h"
 #include "player/render/frame/ray_store.h"
 #include "player/render/frame/sheet_frame.h"
@@ -216,8 +216,7 @@ struct Renderer::Impl {
     return {};
   }
 
-  /// Decodes the selection for a frame. True if blocks of voxels, which require_blocks() reads, stand in for
-  /// its volume.
+  /// Decodes the selection of a frame. True if blocks that require_blocks() reads stand in for its volume.
   template <typename RequireBlocks>
   [[nodiscard]] Result<bool> decode_for(const FrameCall& call, Axis axis, double voxel_pixels,
                                         const RequireBlocks& require_blocks) {

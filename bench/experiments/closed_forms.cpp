@@ -57,7 +57,7 @@ struct PlateView {
     if (!view.eye_mm) return parallel;
     const Vec3 eye = lps_mm_to_index(grid).apply(view.eye_lps_mm());
     reference::Ray ray{eye, reference::minus(parallel.start, eye)};
-    const double length = std::sqrt(reference::dot(ray.per_mm, ray.per_mm));  // voxels of 1 mm
+    const double length = std::sqrt(dot(ray.per_mm, ray.per_mm));  // voxels of 1 mm
     for (double& step : ray.per_mm) step /= length;
     return ray;
   }
@@ -187,8 +187,8 @@ double mean_square_error(const Picture& picture, const ParallelView& view) {
   for (int n = 0; n < kSize.width * kSize.height; ++n) {
     const int x = n % kSize.width, y = n / kSize.width;
     const Vec3 point = view.point_lps_mm(x + 0.5, y + 0.5);
-    const double along = reference::dot(point, view.forward_lps);
-    const double distance_2 = reference::dot(point, point) - along * along;
+    const double along = dot(point, view.forward_lps);
+    const double distance_2 = dot(point, point) - along * along;
     const double depth = kExtinctionPerMm * kWidthMm * std::sqrt(2 * std::numbers::pi) *
                          std::exp(-0.5 * distance_2 / (kWidthMm * kWidthMm));
     for (const float value : picture.at(x, y))

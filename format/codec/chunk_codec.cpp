@@ -67,8 +67,7 @@ class ContextPool {
 using CompressContexts = ContextPool<CompressContext, ZSTD_createCCtx>;
 using DecompressContexts = ContextPool<DecompressContext, ZSTD_createDCtx>;
 
-/// Checks for exactly one frame of the expected decoded length. Zstandard itself would accept several frames
-/// and skippable ones.
+/// Checks for exactly one frame of the expected decoded length. Zstandard takes several and skippable ones.
 Result<void> check_frame(std::span<const std::byte> stored, std::size_t decoded_bytes) {
   constexpr std::uint32_t kMagic = ZSTD_MAGICNUMBER;
   if (stored.size() < sizeof kMagic || std::memcmp(stored.data(), &kMagic, sizeof kMagic) != 0) {

@@ -92,8 +92,7 @@ class ValueWindow {
     return {values, count};
   }
 
-  /// Values of the neighbours relative to the previous voxel, 0 for absent ones. Only within
-  /// code(prediction).
+  /// Neighbours' values relative to the previous voxel, 0 for absent ones. Only within code(prediction).
   [[nodiscard]] std::array<float, kNeighbours.size()> from_before(const ValuePrediction& prediction) const {
     std::array<float, kNeighbours.size()> values{};
     for (std::size_t q = 0; q < values.size(); ++q) {

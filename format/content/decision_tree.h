@@ -32,8 +32,7 @@ struct ClassDraw {
 /// Classes to traverse and surfaces to rasterise for one selection.
 struct DrawPlan {
   std::vector<ClassDraw> classes;  ///< classes with role != kNone, in class order
-  /// Structures with boundary classes that are selected as surface or both, in index order. External surfaces
-  /// are drawn in every mode.
+  /// Structures with boundary classes selected as surface or both, in index order; external ones in any mode.
   std::vector<StructureIndex> surfaces;
   std::uint64_t volume_voxels = 0;   ///< k_vol
   std::uint64_t surface_voxels = 0;  ///< k_sur

@@ -20,8 +20,7 @@ inline constexpr StructureIndex kNoStructure = 0xffffffffu;
 inline constexpr std::size_t kMaxStructures = 1u << 20;
 inline constexpr std::size_t kMaxGraphDepth = 256;
 
-/// A name or code of a structure in another vocabulary: {"SNOMED", "64033007"}, {"synonym", "kidney"}, {"de",
-/// "Niere"}.
+/// A name or code of a structure in another vocabulary: {"SNOMED", "64033007"}, {"de", "Niere"}.
 struct Term {
   std::string vocabulary, value;
 
@@ -73,9 +72,8 @@ class StructureGraph {
   /// take precedence over names, names over paths, paths over terms. A path may start at any structure
   /// ("Cerebellum/Left"). A wildcard pattern matches ids, names and paths; if none fits, terms. kNotFound if
   /// nothing matches, or if a name, path or term without a wildcard is ambiguous. The message lists the
-  /// nearest names, or the paths and ids of the candidates. Throws as check_task(). Cost: linear in the
-  /// structures, their parents and the total length of names and terms, times the length of a pattern (at
-  /// most 256).
+  /// nearest names, or the candidates' paths and ids. Throws as check_task(). Cost: linear in the structures,
+  /// their parents and the total length of names and terms, times the length of a pattern (at most 256).
   [[nodiscard]] Result<std::vector<StructureIndex>> find(std::string_view name) const;
   /// The structure with a value in the source label map. kNotFound, with the nearest labels, if there is
   /// none, and if it is ambiguous. Cost: linear in the structures.

@@ -35,8 +35,7 @@ struct SurfaceMesh {
   /// Unit normals in LPS, out of the structure, one per position. Files store PackedNormal.
   std::vector<std::array<float, 3>> normals_lps;
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise seen from outside, in LPS
-  /// Files store positions as integers in units of 1 / position_scale voxel. A value of SurfaceRule for
-  /// fitted surfaces.
+  /// Files store positions as integers of 1 / position_scale voxel. Of fitted surfaces: a SurfaceRule.
   std::uint32_t position_scale = 2;
 
   friend bool operator==(const SurfaceMesh&, const SurfaceMesh&) = default;

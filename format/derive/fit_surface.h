@@ -20,8 +20,7 @@ namespace splatlas {
 
 struct SurfaceNet;
 
-/// Normals of boundary voxels: the negative gradient of the structure's smoothed mask (SmoothGradient), in
-/// LPS.
+/// Normals of boundary voxels in LPS: the negative gradient of the smoothed mask (SmoothGradient).
 class VoxelNormals {
  public:
   explicit VoxelNormals(const Grid& grid) : to_index_(lps_mm_to_index(grid).linear) {}

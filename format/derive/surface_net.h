@@ -137,8 +137,7 @@ class NetBuilder {
     std::uint32_t count = 0;
   };
 
-  /// The vertex of an edge. Without branches: the place behind the last vertex is overwritten until it is
-  /// used.
+  /// The vertex of an edge, without branches: the place behind the last one is overwritten until it is used.
   static std::uint32_t number_edge(const std::array<std::int32_t, 3>& cell, unsigned inside,
                                    std::size_t number, std::uint32_t& id, std::uint32_t live_from,
                                    Place& place) {

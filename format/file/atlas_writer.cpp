@@ -29,8 +29,7 @@ namespace splatlas {
 namespace {
 
 constexpr std::uint32_t kChunkBytes = 256 * 1024;
-/// Streams up to this length share a chunk. Larger values compress small classes better; smaller values read
-/// fewer unneeded bytes.
+/// Streams up to this length share a chunk. Larger: small classes compress better; smaller: less is read.
 constexpr std::uint32_t kSharedBytes = 512;
 
 /// Fraction of a section's work before compression, for progress.

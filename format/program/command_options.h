@@ -31,8 +31,7 @@ CLI::Option* add_parsed(CLI::App& app, const std::string& names, Value& value, P
   return app.add_option_function<std::string>(names, assign, help);
 }
 
-/// Appends each text of a repeatable option to `values`. parse(text) returns a Result; its error ends parsing
-/// with CLI::ValidationError.
+/// Appends each text of a repeatable option to `values`. Errors of parse(text) become CLI::ValidationError.
 template <typename Value, typename Parse>
 CLI::Option* add_repeated(CLI::App& app, const std::string& names, std::vector<Value>& values, Parse parse,
                           const std::string& help) {

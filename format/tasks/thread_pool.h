@@ -47,9 +47,8 @@ class ThreadPool {
 };
 
 /// Calls job(n) for every n below `count`, in any order, on `threads` threads (0: one per core) of a
-/// ThreadPool. The caller is one of them, and also calls report(done) after each of its own jobs. The first
-/// exception of a job is rethrown after all threads have ended. Cost: starts the threads; for loops of
-/// milliseconds and more.
+/// ThreadPool. The caller is one of them, and calls report(done) after each of its jobs. The first exception
+/// is rethrown after all threads have ended. Cost: starts the threads; for loops of milliseconds and more.
 template <typename Job, typename Report>
 void parallel_for(std::size_t count, unsigned threads, Job&& job, Report&& report) {
   if (count == 0) return;

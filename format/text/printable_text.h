@@ -40,8 +40,7 @@ class PrintableText {
   explicit PrintableText(fmt::format_string<PrintablePiece<Pieces>...> layout, const Pieces&... pieces) {
     add(layout, pieces...);
   }
-  /// A finished layout without foreign pieces, for example help, or JSON from json_text(). Keeps line feeds
-  /// and tabs only.
+  /// A finished layout without foreign pieces: help, or JSON of json_text(). Keeps line feeds and tabs only.
   [[nodiscard]] static PrintableText of_layout(std::string_view layout) {
     PrintableText text;
     text.text_ = printable_lines(layout);

@@ -59,8 +59,7 @@ inline constexpr double kRulePoints = 0.4, kScaleBarPoints = 1.2, kTickPoints = 
 /// Pixels per inch: that of the options, or a default that depends on the size.
 [[nodiscard]] double annotation_dpi(const AnnotationOptions& options, const PictureSize& size);
 
-/// Length of a scale bar: the longest of 1, 2 and 5 times a power of ten that is at most `max_mm`; 0 if
-/// `max_mm` is not positive.
+/// Length of a scale bar: the largest of 1, 2 and 5 times powers of ten up to `max_mm`; 0 unless that is > 0.
 [[nodiscard]] double scale_bar_mm(double max_mm);
 
 /// Layout of one page. The functions of the parts add to `layer`, and to `obstacles` for labels.

@@ -30,9 +30,8 @@ using StructureAt = std::function<StructureIndex(double x, double y)>;
 /// Samples a picture at `max_samples` points at most. Transparent pixels are not asked for.
 [[nodiscard]] IdGrid sample_structures(const Picture& picture, const StructureAt& at, int max_samples);
 
-/// The structures of a grid, in index order. Anchors have nearly the largest distance to the border of their
-/// region (chamfer distance, Borgefors 1986), and among such samples the smallest one to its centroid.
-/// O(samples + structures).
+/// The structures of a grid, in index order. Anchors are nearly farthest from the border of their region
+/// (chamfer distance, Borgefors 1986), and then nearest to its centroid. O(samples + structures).
 [[nodiscard]] std::vector<VisibleStructure> visible_structures(const IdGrid& grid);
 
 }  // namespace splatlas

@@ -10,6 +10,7 @@
 #include "format/io/output_file.h"
 #include "preprocess/atlas/build_progress.h"
 #include "preprocess/atlas/segment_structures.h"
+#include "preprocess/classify/classify_voxels.h"
 #include "preprocess/import/notes.h"
 #include "preprocess/sources/import_sources.h"
 
@@ -48,5 +49,12 @@ struct BuildReport {
     const std::function<Result<void>(std::vector<OutputFile>& files)>& add_files = {});
 /// The same, with the notes in the report only.
 [[nodiscard]] Result<BuildReport> build_atlas(const BuildOptions& options);
+
+/// The default window and bounding sphere. The window is the 1st to the 99.5th percentile of finite grey
+/// values in labelled structures, or in all structures if none has a label. Large volumes are subsampled
+/// regularly. The sphere is centred on the bounding box of all structures' voxels and contains their corners;
+/// without such voxels it is that of the grid. `values` is in the storage grid and may be empty.
+[[nodiscard]] Display measure_display(const Classification& classification, const StructureGraph& graph,
+                                      const VoxelBuffer& values, const Grid& storage_grid);
 
 }  // namespace splatlas

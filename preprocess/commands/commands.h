@@ -43,8 +43,7 @@ CLI::App* add_lesson(CLI::App& app, LessonRequest& request);
 
 // Reports of a build: all notes, for programs and for people.
 
-/// {"notes": [{"kind": "empty-masks", "warning": bool, "count": N, "message": "...",
-/// "items": [...]}]}.
+/// {"notes": [{"kind": "empty-masks", "warning": bool, "count": N, "message": "...", "items": [...]}]}.
 [[nodiscard]] std::string report_as_json(const Notes& notes);
 /// A page of its own, without scripts. `atlas` is named in its title.
 [[nodiscard]] std::string report_as_html(const Notes& notes, const std::filesystem::path& atlas);

@@ -28,8 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A mask builds back if its name is one of a structure. NAME_MAX of Linux is 255 bytes; NTFS and APFS allow
-// as many characters.
+// A mask builds back if its name is one of a structure. Linux allows 255 bytes, NTFS and APFS 255 characters.
 constexpr std::size_t kMaxBytes = kMaxNameCharacters;
 static_assert(kMaxBytes + std::string_view(".nii.gz").size() <= 255);
 

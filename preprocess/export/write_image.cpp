@@ -12,6 +12,7 @@
 #include "format/text/ascii_text.h"
 #include "preprocess/export/deflate.h"
 #include "preprocess/export/image_headers.h"
+#include "preprocess/import/images/pixels/check_image_file.h"
 #include "preprocess/import/import_error.h"
 
 namespace splatlas {
@@ -95,18 +96,14 @@ Result<void> write_whole(const Image& image, const fs::path& path, const Sink& s
 }  // namespace
 
 Result<ImageFormat> writable_image_format(const fs::path& path) {
-  Result<ImageFormat> format = image_format(path);
-  const std::string ending = to_lower(path.extension().string());
-  if (ending == ".nhdr" || ending == ".mhd") {
-    return fail(ErrorCode::kUsage, "{}: would be two files; write {}", path.string(),
-                ending == ".nhdr" ? ".nrrd" : ".mha");
-  }
-  if (!format) {
-    return fail(ErrorCode::kUsage,
-                "{}: is of no known type; volumes are written as .nii, .nii.gz, .nrrd or .mha",
-                path.string());
-  }
-  return format;
+  const std::string name = to_lower(path.filename().string());
+  if (name.ends_with(".nii") || name.ends_with(".nii.gz")) return ImageFormat::kNifti;
+  if (name.ends_with(".nrrd")) return ImageFormat::kNrrd;
+  if (name.ends_with(".mha")) return ImageFormat::kMetaImage;
+  const bool is_header = name.ends_with(".nhdr") || name.ends_with(".mhd");
+  return fail(ErrorCode::kUsage, "{}: {}", path.string(),
+              is_header ? fmt::format("would be two files; write {}", name.ends_with("r") ? ".nrrd" : ".mha")
+                        : "is of no known type; volumes are written as .nii, .nii.gz, .nrrd or .mha");
 }
 
 Result<OutputFile> write_image(const Image& image, const fs::path& path) {

@@ -8,9 +8,10 @@
 
 #include "format/io/output_file.h"
 #include "preprocess/import/images/import_image.h"
-#include "preprocess/import/images/pixels/check_image_file.h"
 
 namespace splatlas {
+
+enum class ImageFormat { kNifti, kNrrd, kMetaImage };
 
 /// Output format by file extension; kUsage for unknown extensions and formats with two files.
 [[nodiscard]] Result<ImageFormat> writable_image_format(const std::filesystem::path& path);
@@ -26,8 +27,7 @@ struct MaskSlices {
   std::vector<std::byte> voxels;
 };
 
-/// The bytes of a mask's file, .nii.gz or .nrrd by `path`; errors as of write_image(). Cost: that of the
-/// slices given. Thread-safe.
+/// A mask's file, .nii.gz or .nrrd by `path`; errors as of write_image(). Cost: that of `mask`. Thread-safe.
 [[nodiscard]] Result<std::vector<std::byte>> encode_mask_file(const Grid& grid, const MaskSlices& mask,
                                                               const std::filesystem::path& path);
 

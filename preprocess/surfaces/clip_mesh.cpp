@@ -23,8 +23,7 @@ double quantized(double x) {
   return std::round(x * kPositionScale) / kPositionScale;
 }
 
-/// Intersection of an edge with a plane. Identical for both directions of the edge, so that adjacent
-/// triangles share vertices.
+/// Intersection of an edge with a plane, alike for both directions: adjacent triangles share vertices.
 Corner cut_edge(const Corner& from, const Corner& to, std::size_t axis, double plane) {
   const bool forwards = from.index < to.index;
   const Corner &a = forwards ? from : to, &b = forwards ? to : from;

@@ -41,7 +41,6 @@ struct ErrorLines : testing::Test {
     write_bytes(folder.file("damaged.atlas"), damaged);
     write_bytes(folder.file("bad.txt"), "1 \xff\n");
     write_bytes(folder.file("tab.txt"), "1 a?\tb\n");
-    write_bytes(folder.file("empty.txt"), "");
     write_bytes(folder.file("bad.tree"), "A/*/x\n");
     write_bytes(folder.file("none.tree"), "A/Nothing\n");
     write_bytes(folder.file("short.lut"), "abc");
@@ -124,7 +123,6 @@ TEST_F(ErrorLines, OfRender) {
       {{"render", "cut.atlas", "-o", "x.png"}, 3, "cut.atlas: ", "3000"},
       {{"render", "a.atlas", "-o", ""}, 2, "--output \"\"", "must name a file"},
       {{"render", "a.atlas", "-o", "x.bmp"}, 2, "x.bmp: ", ".png, .jpg, .tif, .exr, .svg or .pdf"},
-      {{"render", "a.atlas", "-o", "none/x.png"}, 1, "none/x.png: ", "no folder none"},
       {{"render", "a.atlas", "-o", "full/file/x.png"}, 1, "full/file/x.png: "},
       {{"render", "a.atlas", "-o", "x\xe2\x80\x8f.bmp"}, 2, "x?.bmp: "},
       {{"bogus", "render", "a.atlas", "-o", "x.png"}, 2, "\"bogus\" in front of render"},
@@ -171,7 +169,6 @@ TEST_F(ErrorLines, OfRender) {
   for (const std::string option : {"--size", "--shading", "--depth-cue", "--stats"})
     refuses({option, ""}, option, "");
   refuses({"--stats", "./x.png"}, "./x.png: ", "write to two files");
-  refuses({"--stats", "a.atlas"}, "a.atlas: ", "is an input");
   refuses({"--stats", "none/s.json"}, "none/s.json: ", "no folder none", 1);
   refuses({"--none"}, "", "--none; see splatlas-player render --help");
   check_player(cases);
@@ -217,7 +214,7 @@ TEST_F(ErrorLines, OfBuild) {
       {{"build", "-o", "x.atlas", "--labels", "full"}, 1, "full: ", "no mask"},
       {{"build", "-o", "x.atlas", "--labels", "bad.nrrd"}, 1, "bad.nrrd: ", "zero element size"},
       {{"build", "-o", "x.atlas", "--labels", "bad.txt"}, 1, "bad.txt: ", ".nii.gz"},
-      {{"build", "-o", "x.atlas", "--names", "empty.txt"}, 2, "no structures: give --labels"},
+      {{"build", "-o", "x.atlas", "--names", "tab.txt"}, 2, "no structures: give --labels"},
       {{"build", "-o", "x.atlas", "--volume", "volume.nrrd", "--segment", "S=threshold:1e9"},
        1,
        "--segment \"S\"",
@@ -233,7 +230,6 @@ TEST_F(ErrorLines, OfBuild) {
   refuses({"--names", "bad.txt"}, "bad.txt: line 1", "UTF-8");
   refuses({"--names", "tab.txt"}, "tab.txt: cannot be read as list of labels and names: line 1",
           "\"a??b\" holds a tab as character 3");
-  refuses({"--names", "empty.txt"}, "empty.txt: ", "names no label");
   refuses({"--tree", "bad.tree"}, "bad.tree: line 1", "pattern");
   refuses({"--tree", "none.tree"}, "none.tree: line 1", "the nearest: ");
   refuses({"--colors", "short.lut"}, "short.lut: ", "768 bytes");

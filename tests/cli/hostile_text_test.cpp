@@ -15,7 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::AllOf;
-using testing::EndsWith;
 using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
@@ -110,22 +109,6 @@ TEST_F(HostileText, OfNotes) {
                      folder.path());
   expect_safe(build, 1);
   EXPECT_THAT(build.err, AllOf(StartsWith("warning: 1 segment"), HasSubstr("Le?ft?note: forged")));
-}
-
-/// Exports a mask per id of an atlas.
-ProgramResult export_masks(const std::vector<std::string>& ids, const TemporaryFolder& folder) {
-  write_bytes(folder.file("a.atlas"), value_or_throw(encode_atlas(hostile_content(ids, ids))));
-  return run_preprocess({"export", "a.atlas", "--labels", "masks/"}, folder.path());
-}
-
-TEST_F(HostileText, OfManyIdsIsCounted) {
-  std::vector<std::string> ids;
-  for (int n = 0; n < 13; ++n) ids.push_back("-" + std::to_string(n));
-  const ProgramResult exported = export_masks(ids, folder);
-  expect_safe(exported, 1);
-  EXPECT_THAT(exported.err,
-              StartsWith("note: masks/: 13 ids are no safe file names: \"-0\" is _-0.nii.gz, "));
-  EXPECT_THAT(exported.err, EndsWith("\"-9\" is _-9.nii.gz and 3 more\n"));
 }
 
 }  // namespace

@@ -96,21 +96,6 @@ TEST_F(PlayerRender, PngAndTiffHoldTheSamePixels) {
   }
 }
 
-TEST_F(PlayerRender, AnEmptySelectionGivesTheBackground) {
-  for (const std::string select : {"", "Sphere* - Sphere*"}) {
-    render({"-o", "e.png", "--select", select, "--background", "#204060", "--stats", "s.json"});
-    const std::vector<float> picture = pixels("e.png");
-    ASSERT_EQ(picture.size(), std::size_t{3} * 40 * 30);
-    for (std::size_t n = 0; n < picture.size(); ++n) {
-      const std::array<float, 3> background{0x20 / 255.0f, 0x40 / 255.0f, 0x60 / 255.0f};
-      ASSERT_NEAR(picture[n], background[n % 3], 1e-6f) << "value " << n;
-    }
-    EXPECT_EQ(stats()["voxels_visited"], 0);
-    EXPECT_EQ(stats()["runs_visited"], 0);
-    EXPECT_EQ(stats()["bytes"]["decoded"], 0);
-  }
-}
-
 TEST_F(PlayerRender, OutlinesAreDarkAndLeaveTheRest) {
   render({"-o", "a.exr", "--select", "*:surface"}, "90x90");
   render({"-o", "b.exr", "--select", "*:surface", "--outline", "edges"}, "90x90");

@@ -110,17 +110,14 @@ TEST_F(Scenes, HaveViewProjectionLabelsAndLines) {
 }
 
 TEST_F(Scenes, TellWhatIsWrong) {
-  write("stale.toml", "[[scene]]\nname = \"A\"\nselect = \"Liver\"\n");
   write("nowhere.toml", "[[scene]]\nname = \"A\"\nselect = \"*\"\ncenter = \"Liver\"\n");
   write("unlabelled.toml", "[[scene]]\nname = \"A\"\nselect = \"*\"\nlabels = [\"Liver\"]\n");
   write("same.toml", "[[scene]]\nname = \"two slabs\"\nselect = \"*\"\n");
   for (const auto& [options, message] :
-       {std::pair<Words, std::string>{{"--scene", "stale.toml"}, "stale.toml: scene \"A\": "},
-        {{"--scene", "nowhere.toml"}, "nowhere.toml: scene \"A\": "},
+       {std::pair<Words, std::string>{{"--scene", "nowhere.toml"}, "nowhere.toml: scene \"A\": "},
         {{"--scene", "unlabelled.toml"},
          "unlabelled.toml: scene \"A\": no structure is called \"Liver\"; the nearest: \"Label 1\", \"Label "
          "2\""},
-        {{"--scene", "none.toml"}, "none.toml"},
         {{"--scene", "lesson.toml", "--scene", "same.toml"},
          "same.toml: scene \"two slabs\": another file has one of this name; rename one"}}) {
     const ProgramResult result = build(options);
@@ -171,9 +168,6 @@ TEST_F(Scenes, AreReplacedWithoutSources) {
   for (const auto& [words, status, message] :
        {std::tuple<Words, int, std::string>{
             {"a.atlas", "--scene", "other.toml", out, "a.atlas"}, 2, "is an input"},
-        {{"a.atlas", "--scene", "lesson.toml", "lesson.toml", out, "b.atlas"},
-         1,
-         "another file has one of this name"},
         {{"a.atlas", "--scene", "stale.toml", out, "b.atlas"},
          1,
          "stale.toml: scene \"A\": selection, column 1: no structure is called \"Label 9\"; the nearest: "

@@ -13,8 +13,6 @@
 namespace splatlas {
 namespace {
 
-using reference::dot;
-
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kDegree = 3.14159265358979323846 / 180;
@@ -62,7 +60,7 @@ RC_GTEST_PROP(Camera, AxesAreOrthonormalAndAnglesArePeriodic, ()) {
   RC_ASSERT(std::abs(dot(view.up_lps, view.up_lps) - 1) < 1e-14);
   RC_ASSERT(std::abs(dot(view.right_lps, view.up_lps)) < 1e-14);
   // Right, up and the direction to the viewer form a right-handed system: pictures are not mirrored.
-  const Vec3 normal = reference::cross(view.right_lps, view.up_lps);
+  const Vec3 normal = cross(view.right_lps, view.up_lps);
   for (std::size_t a = 0; a < 3; ++a) RC_ASSERT(std::abs(normal[a] + view.forward_lps[a]) < 1e-14);
   camera.azimuth_deg += 360;
   camera.elevation_deg -= 720;

@@ -175,7 +175,6 @@ TEST(Cuts, ShowTheRearOneOfNearlyParallelPlanes) {
   }
 }
 
-/// Removed spans cost nothing.
 /// Drafts of opaque surfaces are painted, and have the picture of those that need fragments: for ids.
 TEST(Cuts, OfPaintedSurfacesHaveThePictureOfFragments) {
   const AtlasContent content = phantom_content();
@@ -203,6 +202,7 @@ TEST(Cuts, OfPaintedSurfacesHaveThePictureOfFragments) {
   }
 }
 
+/// Removed spans cost nothing.
 TEST(Cuts, VisitOnlyKeptVoxels) {
   const AtlasContent content = phantom_content();
   Renderer renderer = renderer_of(content, selection_of("Spheres", content.graph));

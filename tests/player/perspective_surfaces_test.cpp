@@ -13,8 +13,6 @@
 namespace splatlas {
 namespace {
 
-using reference::cross;
-using reference::dot;
 using reference::minus;
 
 constexpr Grid kGrid{{16, 16, 16}, {1, 1, 1}, {0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};

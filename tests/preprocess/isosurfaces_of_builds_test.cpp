@@ -2,7 +2,6 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <map>
 #include <random>
 
 #include <gmock/gmock.h>
@@ -10,6 +9,7 @@
 
 #include "tests/preprocess/build_atlas_fixture.h"
 #include "tests/preprocess/random_images.h"
+#include "tests/support/closed_mesh.h"
 #include "tests/support/repetitions.h"
 
 namespace splatlas {
@@ -48,30 +48,11 @@ std::vector<std::uint8_t> held_by(const AtlasContent& content, const std::string
   return mask;
 }
 
-/// True if each edge occurs as often in both directions.
-bool closed(const SurfaceMesh& mesh) {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, int> balance;
-  for (const auto& t : mesh.triangles) {
-    for (std::size_t n = 0; n < 3; ++n) {
-      const std::uint32_t a = t[n], b = t[(n + 1) % 3];
-      balance[std::minmax(a, b)] += a < b ? 1 : -1;
-    }
-  }
-  return std::ranges::all_of(balance, [](const auto& edge) { return edge.second == 0; });
-}
-
-/// Enclosed volume in voxels; positive if triangles are counter-clockwise seen from outside.
 double enclosed_voxels(const SurfaceMesh& mesh) {
-  double volume = 0;
-  for (const auto& [p, q, r] : mesh.triangles) {
-    const auto &a = mesh.positions_ijk[p], &b = mesh.positions_ijk[q], &c = mesh.positions_ijk[r];
-    volume +=
-        (static_cast<double>(a[0]) * (static_cast<double>(b[1]) * c[2] - static_cast<double>(b[2]) * c[1]) -
-         static_cast<double>(a[1]) * (static_cast<double>(b[0]) * c[2] - static_cast<double>(b[2]) * c[0]) +
-         static_cast<double>(a[2]) * (static_cast<double>(b[0]) * c[1] - static_cast<double>(b[1]) * c[0])) /
-        6;
-  }
-  return volume;
+  return enclosed_volume(mesh.triangles, [&](std::uint32_t vertex) {
+    const auto& [i, j, k] = mesh.positions_ijk[vertex];
+    return Vec3{i, j, k};
+  });
 }
 
 class IsosurfacesOfBuilds : public BuildAtlas {
@@ -105,7 +86,7 @@ TEST_F(IsosurfacesOfBuilds, BallOfDistancesIsRound) {
                   {"Ball=iso:69.6"}));
   ASSERT_EQ(content.surfaces.size(), 1u);
   const SurfaceMesh& mesh = content.surfaces[0];
-  EXPECT_TRUE(closed(mesh));
+  EXPECT_TRUE(is_closed(mesh.triangles));
   constexpr double kPi = 3.14159265358979323846;
   // The deficit of the inscribed polyhedron falls with the square of the radius.
   EXPECT_NEAR(enclosed_voxels(mesh) / (4.0 / 3 * kPi * kRadius * kRadius * kRadius), 1, 1e-3);
@@ -129,7 +110,7 @@ TEST_F(IsosurfacesOfBuilds, VerticesInterpolateValuesLinearly) {
     const AtlasContent content = build(scene(volume, {"A=iso:3"}));
     const SurfaceMesh& mesh = content.surfaces[0];
     EXPECT_EQ(mesh.position_scale, 1024u);
-    EXPECT_TRUE(closed(mesh));
+    EXPECT_TRUE(is_closed(mesh.triangles));
     EXPECT_GT(enclosed_voxels(mesh), 0);
     const auto value = [&](const Index3& at) -> std::optional<double> {
       for (std::size_t a = 0; a < 3; ++a) {
@@ -186,7 +167,7 @@ TEST_F(IsosurfacesOfBuilds, StayInsideTheirStructure) {
   EXPECT_GT(parts, 0u);
   EXPECT_GT(std::ranges::count(rest, 1), 0);
   const SurfaceMesh& mesh = content.surfaces[structure_of(content, "Part")];
-  EXPECT_TRUE(closed(mesh));
+  EXPECT_TRUE(is_closed(mesh.triangles));
   EXPECT_NEAR(enclosed_voxels(mesh), static_cast<double>(parts), 0.15 * static_cast<double>(parts));
 }
 
@@ -203,7 +184,7 @@ TEST_F(IsosurfacesOfBuilds, ValuesThatAreNotFiniteAreOutside) {
                                            {"A=iso:1"}));
   const std::vector<std::uint8_t> mask = held_by(content, "A");
   EXPECT_EQ(std::ranges::count(mask, 1), 5 * 6 * 6 - 1);
-  EXPECT_TRUE(closed(content.surfaces[0]));
+  EXPECT_TRUE(is_closed(content.surfaces[0].triangles));
 }
 
 TEST_F(IsosurfacesOfBuilds, FragmentsAreDroppedWithTheirSurface) {

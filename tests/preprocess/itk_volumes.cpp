@@ -7,8 +7,8 @@
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
 
+#include "preprocess/export/write_image.h"
 #include "preprocess/import/images/itk/itk_call.h"
-#include "preprocess/import/images/pixels/check_image_file.h"
 
 namespace splatlas {
 namespace {
@@ -39,7 +39,7 @@ itk::ImageIOBase::Pointer make_image_io(ImageFormat format) {
 }  // namespace
 
 Image read_by_itk(const std::filesystem::path& path) {
-  const itk::ImageIOBase::Pointer io = make_image_io(*image_format(path));
+  const itk::ImageIOBase::Pointer io = make_image_io(*writable_image_format(path));
   io->SetFileName(path.string());
   io->ReadImageInformation();
   Image image{grid_of(*io), {voxel_type_of(io->GetComponentType()), {}}};

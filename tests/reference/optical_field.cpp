@@ -46,8 +46,7 @@ double voxel_side_mm(const Grid& grid) {
   const Affine to_mm = index_to_lps_mm(grid);
   const Vec3 i = to_mm.apply_linear({1, 0, 0}), j = to_mm.apply_linear({0, 1, 0}),
              k = to_mm.apply_linear({0, 0, 1});
-  const Vec3 normal{i[1] * j[2] - i[2] * j[1], i[2] * j[0] - i[0] * j[2], i[0] * j[1] - i[1] * j[0]};
-  return std::cbrt(std::abs(normal[0] * k[0] + normal[1] * k[1] + normal[2] * k[2]));
+  return std::cbrt(std::abs(dot(cross(i, j), k)));
 }
 
 VoxelOptics OpticalField::at(std::int64_t i, std::int64_t j, std::int64_t k) const {

@@ -8,8 +8,6 @@
 
 namespace splatlas::reference {
 
-[[nodiscard]] double dot(const Vec3& a, const Vec3& b);
-[[nodiscard]] Vec3 cross(const Vec3& a, const Vec3& b);
 [[nodiscard]] Vec3 minus(const Vec3& a, const Vec3& b);
 
 /// A ray in continuous voxel indices: index(s) = start + s * per_mm, with s in mm away from the viewer. The

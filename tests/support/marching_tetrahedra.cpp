@@ -25,16 +25,6 @@ std::vector<Tetrahedron> cell_tetrahedra() {
   return all;
 }
 
-Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-double dot(const Vec3& a, const Vec3& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-Vec3 minus(const Vec3& a, const Vec3& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-
 class Mesher {
  public:
   Mesher(const std::vector<bool>& mask, const Grid& grid)
@@ -75,7 +65,7 @@ class Mesher {
       (holds(at) ? in : out).push_back(at);
     }
     if (in.empty() || out.empty()) return;
-    const Vec3 outward = minus(middle(out), middle(in));
+    const Vec3 outward = difference(middle(out), middle(in));
     if (in.size() == 2) {
       add({vertex_between(in[0], out[0]), vertex_between(in[0], out[1]), vertex_between(in[1], out[1])},
           outward);
@@ -121,7 +111,7 @@ class Mesher {
       const auto& p = mesh_.positions_ijk[triangle[n]];
       corner[n] = to_lps_.apply({p[0], p[1], p[2]});
     }
-    Vec3 normal = cross(minus(corner[1], corner[0]), minus(corner[2], corner[0]));
+    Vec3 normal = cross(difference(corner[1], corner[0]), difference(corner[2], corner[0]));
     if (dot(normal, outward) < 0) {
       std::swap(triangle[1], triangle[2]);
       for (double& n : normal) n = -n;

@@ -95,8 +95,7 @@ class RunVerifier {
       if (first < end) box.include(IndexBox{{first, j, k}, {end - 1, j, k}});
     };
     std::uint64_t next = 0;  // scanline
-    // The box of consecutive whole scanlines follows from the first, the last, and both sides of a slice
-    // boundary.
+    // The box of whole scanlines follows from the first, the last, and both sides of a slice boundary.
     const auto include_until = [&](std::uint64_t end) {
       if (next == end) return;
       const std::uint64_t last = end - 1, slice = last - last % static_cast<std::uint64_t>(size[1]);

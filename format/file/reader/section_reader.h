@@ -19,8 +19,8 @@
 
 namespace splatlas {
 
-/// Reads, checks and decodes streams by section and index. Counts bytes. Thread-safe. Keeps references to all
-/// arguments of the constructor.
+/// Reads, checks and decodes streams by section and index. Counts bytes. Thread-safe. Refers to its
+/// arguments.
 class SectionReader {
  public:
   SectionReader(const InputFile& file, const Directory& directory, const FileLayout& layout);

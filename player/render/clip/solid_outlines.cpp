@@ -72,8 +72,7 @@ std::vector<SolidOutlines::Segment> SolidOutlines::slice(const SurfaceMesh& mesh
     const auto& p = mesh.positions_ijk[n];
     distances[n] = plane.distance({p[0], p[1], p[2]});
   }
-  // An edge has the same crossing in all triangles, even if they do not share vertices: it begins at the
-  // smaller position
+  // An edge begins at its smaller position: triangles that share no vertices then have the same crossing
   const auto crossing = [&](std::uint32_t one, std::uint32_t other) {
     if (mesh.positions_ijk[other] < mesh.positions_ijk[one]) std::swap(one, other);
     const double t = distances[one] / (distances[one] - distances[other]);

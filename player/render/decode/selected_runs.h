@@ -19,8 +19,7 @@ class SelectedRuns {
  public:
   static constexpr std::uint32_t kNotDrawn = std::numeric_limits<std::uint32_t>::max();
 
-  /// The plan's volume classes must have been required for `axis`. `cache` must outlive this object. Cost:
-  /// linear in the classes.
+  /// `cache` must outlive this and hold the plan's volume classes along `axis`. Cost: linear in the classes.
   SelectedRuns(const DrawPlan& plan, const ClassTable& classes, const ClassCache& cache, Axis axis);
 
   [[nodiscard]] Axis axis() const { return axis_; }

@@ -28,8 +28,7 @@ struct Pair {
   float weight = 0;
 };
 
-/// Concentric rings of pairs, each rotated relative to the previous one. Weights fall off linearly with the
-/// radius; their sum is 1.
+/// Concentric rings of pairs, each rotated against the last. Weights of sum 1 fall linearly with the radius.
 std::array<Pair, kPairs> pairs_of(double radius) {
   std::array<Pair, kPairs> pairs;
   std::size_t number = 0;

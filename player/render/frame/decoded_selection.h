@@ -19,8 +19,7 @@ class DecodedSelection {
  public:
   explicit DecodedSelection(std::shared_ptr<const Atlas> atlas) : atlas_(std::move(atlas)), cache_(atlas_) {}
 
-  /// Level of the surfaces of a plan in the next frame, for drafts within a budget. `voxel_pixels`:
-  /// Shear::voxel_pixels().
+  /// Level of a plan's surfaces in the next draft within a budget. `voxel_pixels`: Shear::voxel_pixels().
   [[nodiscard]] int surface_level(const DrawPlan& plan, double voxel_pixels, const RenderOptions& options,
                                   const ThreadPool& pool);
   /// Records the times of the frame of the latest surface_level().
@@ -32,9 +31,8 @@ class DecodedSelection {
   /// should stand in for them in a draft within a budget. `voxel_pixels`: Shear::voxel_pixels().
   [[nodiscard]] bool waits_for_values(const DrawPlan& plan, double voxel_pixels, const RenderOptions& options,
                                       const ThreadPool& pool) const;
-  /// Reads and decodes the uncached parts of classes along `axis`, and surfaces, of a plan. Lists damaged
-  /// parts in missing(), and returns the plan without them; none if all parts are intact. kLimit when out of
-  /// memory.
+  /// Reads and decodes a plan's uncached surfaces and parts of classes along `axis`. Lists damaged parts in
+  /// missing(), and returns the plan without them; none if all are intact. kLimit when out of memory.
   [[nodiscard]] Result<std::optional<DrawPlan>> require(const DrawPlan& plan, Axis axis, VoxelParts parts,
                                                         int surface_level, ThreadPool& pool);
   /// Reads and decodes uncached classes of faces of a cut, after the plan's. Lists damaged ones in missing(),

@@ -23,8 +23,7 @@ struct VolumeDetail {
   friend bool operator==(const VolumeDetail&, const VolumeDetail&) = default;
 };
 
-/// Chooses the detail of each draft by the time of the latest one: first one sheet pixel per voxel, then
-/// downsampled volumes.
+/// Chooses a draft's detail by the time of the latest: first a sheet pixel a voxel, then downsampled volumes.
 class DraftPace {
  public:
   /// `by_rays`: pictures by rays, which have no sheet pixels.
@@ -73,9 +72,8 @@ class SurfacePace {
   /// while finer surfaces do not exist.
   static constexpr double kFinePixels = 3, kMaxPixels = 6, kStandInPixels = 12;
 
-  /// Level of the next draft. `voxel_pixels`: Shear::voxel_pixels(). `is_ready(level)`: the surfaces of the
-  /// level exist, or soon will; else those of the next one take their place, unless their blocks are too
-  /// wide.
+  /// Level of the next draft. `voxel_pixels`: Shear::voxel_pixels(). `is_ready(level)`: its surfaces exist or
+  /// soon will; else those of the next level take their place, unless their blocks are too wide.
   template <typename IsReady>
   [[nodiscard]] int next(double voxel_pixels, const IsReady& is_ready) {
     const auto level_within = [voxel_pixels](double pixels) {

@@ -4,15 +4,18 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <new>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "format/atlas_reader.h"
+#include "format/result.h"
 #include "format/tasks/task_control.h"
 #include "format/tasks/thread_pool.h"
 #include "player/render/clip/cut_faces.h"
 #include "player/render/clip/cut_rays.h"
-#include "player/render/contributions/shown_frame.h"
+#include "player/render/contributions/pick_structure.h"
 #include "player/render/depth_cue/depth_edges.h"
 #include "player/render/frame/render_overrides.h"
 #include "player/render/rays/cast_rays.h"
@@ -115,11 +118,11 @@ class FrameRenderer {
   [[nodiscard]] const FaceLayer* faces() const { return buffers_.faces.empty() ? nullptr : &buffers_.faces; }
 
   [[nodiscard]] virtual Result<RasterScene> raster_scene_of_view() const = 0;
-  /// Prepares the volume of the frame, or renders it into the picture by a ray for each pixel. kLimit when
-  /// the sheet is too large.
+  /// Prepares the frame's volume, or renders it into the picture, a ray per pixel. kLimit for too large a
+  /// sheet.
   [[nodiscard]] virtual Result<void> begin_volume(Picture& picture) = 0;
-  /// Composites the fragments of a region with the segments of the volume between them, and finds its ids, if
-  /// the options ask for them.
+  /// Composites the fragments of a region with the segments of the volume between, and finds ids if asked
+  /// for.
   [[nodiscard]] virtual Result<void> resolve(const PixelBox& region, Picture& picture) = 0;
   [[nodiscard]] bool needs_depths() const;
   [[nodiscard]] bool paints_surfaces() const;
@@ -166,5 +169,25 @@ void add_surface_depths(const FragmentList& fragments, const ShownFrame& frame, 
 /// The same for the faces of cuts. O(pixels).
 void add_face_depths(const FaceLayer& faces, const ShownFrame& frame, const ViewDepth& view, DepthMap& depths,
                      ThreadPool& pool);
+
+/// The result of body(), the work of a public function, with the exceptions of its task as errors. Errors
+/// other than kUsage, which are about options, name the atlas.
+template <typename Body>
+[[nodiscard]] auto as_errors_of(const std::string& atlas, const Body& body) -> decltype(body()) {
+  const auto named = [&](ErrorCode code, const std::string& message) {
+    return tl::unexpected(Error{code, atlas + ": " + message, atlas});
+  };
+  try {
+    auto result = body();
+    if (result || result.error().code == ErrorCode::kUsage || !result.error().subject.empty()) return result;
+    return named(result.error().code, result.error().message);
+  } catch (const OverBudget& over) {
+    return tl::unexpected(over.error());
+  } catch (const Cancelled&) {
+    return named(ErrorCode::kCancelled, "rendering was cancelled");
+  } catch (const std::bad_alloc&) {
+    return named(ErrorCode::kLimit, "out of memory; take a smaller size or select less");
+  }
+}
 
 }  // namespace splatlas

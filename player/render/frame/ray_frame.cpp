@@ -12,8 +12,7 @@
 namespace splatlas {
 namespace {
 
-/// The rays of a pixel: `per_voxel` or more per voxel, along each axis on which pixels are coarser than
-/// voxels.
+/// The rays of a pixel: at least `per_voxel` per voxel on each axis along which pixels exceed voxels.
 RayGrid rays_of_pixel(const FrameScene& scene, const Grid& grid, double per_voxel) {
   if (scene.overrides.one_ray) return {};
   const auto [along_width, along_height] = factorise(scene.view.plane, grid).voxels_per_pixel();

@@ -22,9 +22,8 @@ class RayStore {
   [[nodiscard]] bool fits(const RenderOptions& options) const {
     return volume_ && !by_blocks_ && volume_->fits(options.classification, options.hybrid_shading);
   }
-  /// Prepares the volume of a frame: builds its voxels, and numbers them for ids, unless that is done; for a
-  /// draft within a budget chooses its detail, and averages the voxels. Errors and cost as for
-  /// RayVolume::build().
+  /// Prepares the volume of a frame: builds its voxels, numbered for ids, unless that is done; for a draft in
+  /// a budget chooses its detail and averages the voxels. Errors and cost as for RayVolume::build().
   [[nodiscard]] Result<void> require(const View& view, const RenderOptions& options, const Atlas& atlas,
                                      const DrawnSelection& drawn, const ClassCache& cache,
                                      std::uint64_t max_memory_bytes, ThreadPool& pool);

@@ -4,7 +4,6 @@
 #include <optional>
 
 #include "format/content/grid.h"
-#include "player/render/view/shear.h"
 #include "player/render_options.h"
 
 namespace splatlas {
@@ -21,14 +20,9 @@ struct RenderOverrides {
   bool one_ray = false;  ///< rays: one through the centre of each pixel, however small voxels are
 };
 
-/// Shear-warp factorisation of a view. kUsage when it runs along the slices of a forced axis.
-[[nodiscard]] Result<Shear> shear_of(const ParallelView& view, const Grid& grid,
-                                     const RenderOverrides& overrides);
-
 /// Access to the state of a renderer, for tests.
 struct RendererInternals {
-  /// Renderer::render() with overrides. Sheets: also kUsage for views beyond kMaxForcedSlope of a forced
-  /// axis.
+  /// Renderer::render() with overrides. Sheets: also kUsage beyond kMaxForcedSlope of a forced axis.
   [[nodiscard]] static Result<void> render(Renderer& renderer, const Camera& camera,
                                            const RenderOptions& options, const RenderOverrides& overrides,
                                            Frame& frame, const RenderControl& control);

@@ -95,6 +95,13 @@ Result<SheetWindow> choose_window(const SheetVolume& volume, SheetSampling sampl
 
 }  // namespace
 
+Result<Shear> shear_of(const ParallelView& view, const Grid& grid, const RenderOverrides& overrides) {
+  const Shear shear = factorise(view, grid, overrides.principal_axis ? &*overrides.principal_axis : nullptr);
+  if (std::abs(shear.slope_u) <= kMaxForcedSlope && std::abs(shear.slope_v) <= kMaxForcedSlope) return shear;
+  return fail(ErrorCode::kUsage, "principal axis {}: the view runs along its slices; take another",
+              "xyz"[static_cast<std::size_t>(shear.principal)]);
+}
+
 Result<RasterScene> SheetFrame::raster_scene_of_view() const {
   return raster_scene(scene_.surfaces, scene_.view.plane, volume_.shear, scene_.grid, scene_.lighting);
 }

@@ -6,9 +6,14 @@
 #include "player/render/frame/frame_renderer.h"
 #include "player/render/frame/span_store.h"
 #include "player/render/sheets/warp/resolve.h"
+#include "player/render/view/shear.h"
 #include "player/render/view/sheet_window.h"
 
 namespace splatlas {
+
+/// Shear-warp factorisation of a view. kUsage when it runs along the slices of a forced axis.
+[[nodiscard]] Result<Shear> shear_of(const ParallelView& view, const Grid& grid,
+                                     const RenderOverrides& overrides);
 
 /// The spans of the volume, which must outlive the frame, must be lit.
 class SheetFrame : public FrameRenderer {

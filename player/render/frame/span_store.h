@@ -48,8 +48,7 @@ class AxisSpans {
   void outdate() { runs_.reset(); }
   /// Makes the spans current. `runs`: the selected ones. Throws std::bad_alloc.
   void require(const SpanSource& source, SelectedRuns runs, ThreadPool& pool);
-  /// Hybrid shading: applies the lighting of `view` to boundary voxels if it has changed, except to voxels
-  /// that the cuts remove.
+  /// Hybrid shading: lights boundary voxels for `view` if that has changed, but none that the cuts remove.
   void update_lighting(const ParallelView& view, const Lighting& lighting, bool shade, const CutPlanes& cuts,
                        const Grid& grid, ThreadPool& pool);
 

@@ -33,8 +33,7 @@ class VoxelLighter {
   VoxelLighter(const SelectedRuns& runs, const ClassCache& cache, const Grid& grid, bool shade);
 
   /// Lights `count` selected voxels of a row of a slice, all at borders or all inside of structures with this
-  /// appearance. Valid until the next row. Cost: about 15 ns per voxel in atlases with grey values; see also
-  /// GreyGradient::set_row().
+  /// appearance. Valid until the next row. Cost: 15 ns per voxel with greys; see GreyGradient::set_row().
   [[nodiscard]] VoxelLight light(const VolumeAppearance& appearance, bool boundary, std::int64_t slice,
                                  std::int64_t row, std::uint32_t first, std::uint32_t count);
 

@@ -38,8 +38,7 @@ void clip_triangle(const SurfaceMesh& mesh, std::uint32_t triangle, const Projec
 
 inline constexpr std::int32_t kHalfPixel = 1 << (kSubPixelBits - 1);
 
-/// A vertex snapped to 1/256 pixel, so that edge functions are exact integers. Pixel centres are at multiples
-/// of 256.
+/// A vertex snapped to 1/256 pixel: edge functions are exact integers. Pixel centres: multiples of 256.
 struct ScreenVertex {
   static constexpr std::int32_t kOff = std::numeric_limits<std::int32_t>::min();
   std::int32_t x = kOff, y = kOff;

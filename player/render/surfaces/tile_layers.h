@@ -61,8 +61,7 @@ class TileLayers {
  public:
   static constexpr std::uint32_t kStride = TileBins::kTileSide;  ///< of slots, from row to row
 
-  /// Begins a tile of clear slots; for summaries, those of a row of pixels are kStride apart. `scene` must
-  /// outlive it.
+  /// Begins a tile of clear slots; for summaries, kStride apart in a row of pixels. `scene` must outlive it.
   void begin(const RasterScene& scene, const PixelBox& tile, std::size_t slots, const TileOptions& options);
 
   /// True for a tile of pixel centres whose faces are layers. Else they are composited with the pixels.
@@ -75,8 +74,7 @@ class TileLayers {
   Crossing& add() { return waiting_.emplace_back(); }
   /// True if so many crossings wait that it is time to composite.
   [[nodiscard]] bool is_due() const { return waiting_.size() >= due_; }
-  /// Composites the crossings that no crossing at `depth` or behind it can precede. Returns the slots that
-  /// end there.
+  /// Composites crossings that none at `depth` or behind it can precede. Returns the slots that end there.
   std::span<const std::uint32_t> pass(float depth);
 
   /// True if the tile had any crossing.

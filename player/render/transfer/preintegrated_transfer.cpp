@@ -8,8 +8,7 @@ namespace {
 
 /// Curves over other types than bytes are scaled to the range of bytes.
 constexpr double kStoredWidth = 255;
-/// Largest magnitude of a stored control point: floats resolve 1/128 there. Distant, narrow curves get a
-/// smaller scale.
+/// Largest magnitude of a control point: floats resolve 1/128 there. Distant, narrow curves are scaled down.
 constexpr double kMaxStored = 1e5;
 /// Limit for curves as narrow as the resolution of doubles, whose scale would be infinite.
 constexpr double kMaxScale = 1e300;

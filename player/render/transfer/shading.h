@@ -59,8 +59,7 @@ class Lighting {
     return {kAmbient + (1.0f - kAmbient) * std::min(facing > 0 ? facing : 0.0f, 1.0f),
             kHighlight * highlight};
   }
-  /// Cosine between a normal and the direction to the viewer, from 0 to 1, on either side; 1 for a normal
-  /// without length.
+  /// Cosine between a normal, on either side, and the direction to the viewer, 0 to 1; 1 without a length.
   [[nodiscard]] float facing(const std::array<float, 3>& normal_lps) const {
     const float length_squared = dot(normal_lps, normal_lps);
     if (!(length_squared > 0)) return 1;

@@ -49,8 +49,7 @@ struct Shear {
 /// Maximum slope for a forced principal axis, in voxels per slice: about half a degree from its slices.
 inline constexpr double kMaxForcedSlope = 100;
 
-/// Factorises a view of `grid`. `forced` overrides the principal axis, for measurements; slopes may then
-/// exceed 1.
+/// Factorises a view of `grid`. `forced`: the principal axis, for measurements; slopes may then exceed 1.
 [[nodiscard]] Shear factorise(const ParallelView& view, const Grid& grid, const Axis* forced = nullptr);
 
 struct DepthAxis {

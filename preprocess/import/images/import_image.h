@@ -48,8 +48,7 @@ struct Image {
 /// True if two grids have the same voxels, in whatever order of axes, within 0.01 voxels.
 [[nodiscard]] bool have_same_voxels(const Grid& a, const Grid& b);
 
-/// kFailed, with both values, if two grids differ: in size, or in the positions of their voxels by more than
-/// 0.01 voxels.
+/// kFailed, with both values, if two grids differ in size, or in voxels' positions by over 0.01 voxels.
 [[nodiscard]] Result<void> check_same_grid(const Grid& a, const std::string& name_of_a, const Grid& b,
                                            const std::string& name_of_b);
 

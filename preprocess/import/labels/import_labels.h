@@ -9,12 +9,11 @@
 
 namespace splatlas {
 
-/// Reads what `path` holds: label maps (label_map.h), segmentations, or masks. Every segment of a
-/// segmentation is a structure; segments of several layers may overlap. Segments of one layer keep their
-/// value as label. Larger structures come first where there are several layers. Notes count segments without
-/// voxels, which are dropped, and voxels of values without a segment. With `grid`, labels on another grid are
-/// resampled to it, to the nearest voxel; ImportedLabels::resampled tells the structures' voxels and volumes
-/// before and after.
+/// Reads what `path` holds: label maps (label_map.h), segmentations, or masks. Every segment is a structure;
+/// those of several layers may overlap, and the larger come first; those of one layer keep their value as
+/// label. Notes count segments without voxels, which are dropped, and voxels of values without a segment.
+/// With `grid`, labels on another grid are resampled to it, to the nearest voxel; ImportedLabels::resampled
+/// tells the structures' voxels and volumes before and after.
 [[nodiscard]] Result<ImportedLabels> import_labels(const std::filesystem::path& path,
                                                    const ImageOptions& options = {},
                                                    const std::optional<Grid>& grid = std::nullopt);

@@ -3,6 +3,10 @@
 // options that repeat it.
 
 #include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
@@ -16,12 +20,19 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "preprocess/import/images/dicom/import_dicom.h"
 #include "tests/campaigns/faults/import_kinds.h"
 #include "tests/campaigns/faults/mutate.h"
-#include "tests/campaigns/faults/own_imports.h"
-#include "tests/campaigns/faults/run_import.h"
+#include "tests/preprocess/import/images/dicom/dicom_files.h"
+#include "tests/preprocess/import/planted_files.h"
+#include "tests/preprocess/import/side_volumes.h"
+#include "tests/preprocess/raw_image_files.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/temporary_folder.h"
 
@@ -29,6 +40,158 @@ namespace splatlas {
 namespace {
 
 namespace fs = std::filesystem;
+
+void write(const fs::path& path, const std::string& bytes) {
+  fs::create_directories(path.parent_path());
+  if (!write_bytes(path, bytes)) throw std::runtime_error(path.string() + ": cannot be written");
+}
+
+/// 8 x 6 grey pixels of 8 bits.
+std::string png(char value) {
+  const std::string row = std::string(1, '\0') + std::string(8, value);
+  std::string rows;
+  for (int n = 0; n < 6; ++n) rows += row;
+  return "\x89PNG\r\n\x1a\n" +
+         png_chunk("IHDR", big_endian(8) + big_endian(6) + std::string("\x8\0\0\0\0", 5)) +
+         png_chunk("IDAT", deflated(rows, false)) + png_chunk("IEND", "");
+}
+
+void write_dicom(const fs::path& folder) {
+  fs::create_directories(folder / "series");
+  for (int k = 0; k < 5; ++k) {
+    TestSlice slice;
+    slice.position = {0, 0, 2. * k};
+    slice.stored.assign(TestSlice::kPixels, static_cast<std::uint16_t>(k));
+    constexpr std::array kCodings{TestCoding::kExplicit, TestCoding::kRunLengths, TestCoding::kJpegLossless,
+                                  TestCoding::kDeflated, TestCoding::kJpegLs};
+    write_slice(slice, folder / "series" / fmt::format("{}.dcm", k),
+                kCodings.at(static_cast<std::size_t>(k)));
+  }
+  TestSegmentation segmentation;
+  segmentation.segments = {{1, "Liver", {34902, 53485, 50171}, "SCT", "10200004", ""}};
+  for (const double z : {0., 2., 4.})
+    segmentation.frames.push_back({1, z, std::vector<std::uint16_t>(TestSegmentation::kPixels, 1)});
+  write_segmentation(segmentation, folder / "seg.dcm");
+}
+
+/// Small files of every kind below `folder`, made by our own writers. Throws std::runtime_error.
+void write_own_imports(const fs::path& folder) {
+  Planter plant;
+  for (const PlantedFile& file : planted_images(plant)) write(folder / file.name, file.bytes);
+  for (const PlantedFile& file : planted_meshes(plant)) write(folder / file.name, file.bytes);
+  write(
+      folder / "a.vtp",
+      "<VTKFile type=\"PolyData\" version=\"0.1\" byte_order=\"LittleEndian\"><PolyData><Piece "
+      "NumberOfPoints=\"3\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"1\">"
+      "<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 0 1 0"
+      "</DataArray></Points><Polys><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 1 2"
+      "</DataArray><DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">3</DataArray></Polys></Piece>"
+      "</PolyData></VTKFile>\n");
+  const std::string mask = deflated(nifti_by_sform(placed(Body(), {})), true);
+  for (const char* name : {"liver.nii.gz", "spleen.nii.gz", "aorta.nii.gz"})
+    write(folder / "masks" / name, mask);
+  for (const char value : {'\1', '\2', '\3'})
+    write(folder / "stack" / fmt::format("{}.png", int{value}), png(value));
+  write_dicom(folder);
+  write(folder / "itksnap.label", "    0  0 0 0  0 0 0 \"Clear\"\n    1  255 0 0  1 1 1 \"Liver\"\n");
+  write(folder / "lut.txt", "# id name\n1 Left-Lung 220 216 20 0\n2 Right-Lung 220 216 20 0\n");
+  write(folder / "dseg.tsv", "index\tname\tcolor\n1\tLiver\t#781283\n2\tSpleen\t#d03e52\n");
+  write(folder / "table.csv", "id,name,parent\n1,Body,\n2,\"Lung, left\",1\n");
+  write(folder / "allen.json",
+        R"([{"id":1,"name":"root","acronym":"r","color_hex_triplet":"FFFFFF","children":[{"id":2,"name":"a",)"
+        R"("acronym":"a","color_hex_triplet":"7ED04B","children":[]}]}])");
+  write(folder / "map.json", R"({"1": "spleen", "2": "kidney"})");
+  write(folder / "paths.tree", "Body/Lungs/Left lung\nBody/Lungs/#2 color=#ff0000\n");
+}
+
+/// One import in a process of its own, measured.
+struct ImportRun {
+  ImportEnd end;
+  double cpu_seconds = 0, wall_seconds = 0;
+  std::uint64_t peak_bytes = 0;  ///< of the process and of its children
+  std::string violation;         ///< empty if the process ended as it should
+};
+
+std::ptrdiff_t open_files() {
+  return std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator());
+}
+
+/// The import in the process that must survive. Writes a digit for the outcome and the message.
+[[noreturn]] void import_and_exit(const ImportKind& kind, const fs::path& path, int answer) {
+  std::string text;
+  try {
+    const std::ptrdiff_t files = open_files();
+    const ImportEnd end = kind.import(path);
+    text = fmt::format("{}{}", static_cast<int>(end.outcome), end.message);
+    if (::waitpid(-1, nullptr, WNOHANG) != -1 || errno != ECHILD) text = "?leaves a child";
+    if (open_files() != files) text = "?leaves an open file";
+  } catch (const std::exception& exception) {
+    text = fmt::format("?throws {}", exception.what());
+  }
+  const auto written = ::write(answer, text.data(), text.size());
+  ::_exit(written == static_cast<ssize_t>(text.size()) ? 0 : 1);
+}
+
+/// Reads to the end, for at most `seconds` without a byte.
+std::string read_all(int file, int seconds) {
+  std::string text;
+  std::array<char, 4096> piece{};
+  pollfd readable{file, POLLIN, 0};
+  while (::poll(&readable, 1, seconds * 1000) == 1) {
+    const ssize_t count = ::read(file, piece.data(), piece.size());
+    if (count <= 0) break;
+    text.append(piece.data(), static_cast<std::size_t>(count));
+  }
+  return text;
+}
+
+/// What `text` and `status` of the process say.
+void judge(const std::string& text, int status, ImportRun& run) {
+  if (WIFSIGNALED(status)) {
+    run.violation = fmt::format("the process was ended by signal {}", WTERMSIG(status));
+  } else if (text.empty() || WEXITSTATUS(status) != 0) {
+    run.violation = fmt::format("the process exited with status {}", WEXITSTATUS(status));
+  } else if (text.front() == '?') {
+    run.violation = "the process " + text.substr(1);
+  } else {
+    run.end = {static_cast<Outcome>(text.front() - '0'), text.substr(1)};
+  }
+}
+
+/// Makes processes that lose their parent children of this one, so that run_import() sees them.
+void adopt_orphans() {
+  ::prctl(PR_SET_CHILD_SUBREAPER, 1);
+}
+
+/// Runs `kind.import` on a file or folder. A violation: the process crashes or hangs, or leaves a process or
+/// an open file behind.
+ImportRun run_import(const ImportKind& kind, const fs::path& path) {
+  constexpr int kHangs = 200;  // seconds
+  const auto begun = std::chrono::steady_clock::now();
+  std::array<int, 2> ends{};
+  if (::pipe(ends.data()) != 0) throw std::runtime_error("no pipe can be made");
+  const pid_t process = ::fork();
+  if (process < 0) throw std::runtime_error("no process can be made");
+  if (process == 0) import_and_exit(kind, path, ends[1]);
+  ::close(ends[1]);
+  const std::string text = read_all(ends[0], kHangs);
+  ::close(ends[0]);
+  if (text.empty()) ::kill(process, SIGKILL);
+  ImportRun run;
+  rusage usage{};
+  int status = 0;
+  while (::wait4(process, &status, 0, &usage) < 0 && errno == EINTR) {
+  }
+  judge(text, status, run);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  run.cpu_seconds = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  run.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  run.peak_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) << 10;
+  if (::waitpid(-1, nullptr, WNOHANG) != -1) run.violation = "a process of the reader is left";
+  return run;
+}
 
 struct Options {
   std::string folder;  ///< of files to mutate; empty for those that the program makes

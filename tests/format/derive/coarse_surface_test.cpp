@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
 #include "tests/format/derive/masks.h"
 #include "tests/format/random_volume.h"
+#include "tests/support/closed_mesh.h"
 
 namespace splatlas {
 namespace {
@@ -38,10 +38,6 @@ Mask ball(const Vec3& centre, double radius) {
 Vec3 corner(const SurfaceMesh& mesh, std::uint32_t vertex) {
   const std::array<float, 3>& p = mesh.positions_ijk[vertex];
   return {p[0], p[1], p[2]};
-}
-
-Vec3 minus(const Vec3& a, const Vec3& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 
 /// Volume and centroid inside a mesh, in voxels.
@@ -88,14 +84,7 @@ RC_GTEST_PROP(CoarseSurface, IsClosed, ()) {
   for (const ClassId c : random_classes(mask.size, 2, random)) mask.held.push_back(c != 0 ? 1 : 0);
   const auto mesh = coarse_surface(coverage_of(mask, 1 + static_cast<int>(below(2, random))), grid_of(mask));
   if (!mesh) return;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
-  for (const auto& t : mesh->triangles) {
-    for (std::size_t n = 0; n < 3; ++n) {
-      ++edges[{t[n], t[(n + 1) % 3]}];
-      --edges[{t[(n + 1) % 3], t[n]}];
-    }
-  }
-  for (const auto& [edge, count] : edges) RC_ASSERT(count == 0);
+  RC_ASSERT(is_closed(mesh->triangles));
   for (const std::array<float, 3>& normal : mesh->normals_lps)
     RC_ASSERT(std::abs(dot(normal, normal) - 1) < 1e-5f);
 }
@@ -115,7 +104,7 @@ TEST(CoarseSurface, KeepsPlaceSizeAndNormalsOfABall) {
     for (std::size_t a = 0; a < 3; ++a)
       EXPECT_NEAR(body.centroid[a], centre[a], 0.02 * std::ldexp(1.0, level));
     for (std::uint32_t v = 0; v < mesh->positions_ijk.size(); ++v) {
-      const Vec3 at = corner(*mesh, v), from = minus(at, centre);
+      const Vec3 at = corner(*mesh, v), from = difference(at, centre);
       const double radius = std::sqrt(dot(from, from));
       const std::array<float, 3>& n = mesh->normals_lps[v];
       distance += std::abs(radius - 24) / static_cast<double>(mesh->positions_ijk.size());
@@ -144,7 +133,7 @@ TEST(CoarseSurface, TurnsOutwardsInMirroredGrids) {
     for (const auto& [a, b, c] : mesh->triangles) {
       const Vec3 p = to_lps.apply(corner(*mesh, a)), q = to_lps.apply(corner(*mesh, b)),
                  r = to_lps.apply(corner(*mesh, c));
-      const Vec3 front = cross(minus(q, p), minus(r, p));
+      const Vec3 front = cross(difference(q, p), difference(r, p));
       const std::array<float, 3>& n = mesh->normals_lps[a];
       ASSERT_GT(dot(front, {n[0], n[1], n[2]}), 0);
     }

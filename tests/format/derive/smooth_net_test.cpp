@@ -93,9 +93,7 @@ Errors errors_of(const Mask& mask, const Vec3& spacing, const Distance& distance
     }
     if (!counts(p)) continue;
     const Vec3 truth = normal(p);
-    const double cosine = (direction[0] * truth[0] + direction[1] * truth[1] + direction[2] * truth[2]) /
-                          std::hypot(direction[0], direction[1], direction[2]) /
-                          std::hypot(truth[0], truth[1], truth[2]);
+    const double cosine = dot(direction, truth) / std::sqrt(dot(direction, direction) * dot(truth, truth));
     const double angle = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / M_PI, away = std::abs(distance(p));
     errors.normals_rms += angle * angle;
     errors.normals_max = std::max(errors.normals_max, angle);
@@ -189,7 +187,7 @@ Errors vessel_errors(Vec3 along, double radius, const Vec3& middle) {
   constexpr std::int64_t kSize = 70, kBorder = 17;
   const auto from_axis = [&](const Vec3& p) {
     const Vec3 d{p[0] - middle[0], p[1] - middle[1], p[2] - middle[2]};
-    const double t = d[0] * along[0] + d[1] * along[1] + d[2] * along[2];
+    const double t = dot(d, along);
     return Vec3{d[0] - t * along[0], d[1] - t * along[1], d[2] - t * along[2]};
   };
   const auto distance = [&](const Vec3& p) {

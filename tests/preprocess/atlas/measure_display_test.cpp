@@ -1,9 +1,8 @@
-#include "preprocess/atlas/measure_display.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
 
+#include "preprocess/atlas/build_atlas.h"
 #include "tests/preprocess/memberships.h"
 #include "tests/preprocess/random_images.h"
 

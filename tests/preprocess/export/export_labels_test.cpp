@@ -128,6 +128,18 @@ TEST(ExportMasks, WritesNrrdFilesOfGridsThatNiftiCannotHold) {
   EXPECT_EQ(mask.voxels.bytes, (std::vector{std::byte{1}, std::byte{0}, std::byte{0}}));
 }
 
+TEST(ExportMasks, NamesTheFirstOfManyUnsafeIds) {
+  AtlasContent content = labelled_voxel(VoxelType::kNone, 7);
+  std::vector<Structure> structures;
+  for (int n = 0; n < 13; ++n) structures.push_back({.id = fmt::format("-{}", n)});
+  content.graph = StructureGraph::build(structures).value();
+  const TemporaryFolder folder;
+  EXPECT_THAT(
+      export_masks(content, folder.path() / "masks").value().notes,
+      ElementsAre(testing::AllOf(testing::HasSubstr("13 ids are no safe file names: \"-0\" is _-0.nii.gz, "),
+                                 testing::EndsWith("\"-9\" is _-9.nii.gz and 3 more"))));
+}
+
 TEST(ExportMasks, OfTheLongestIdsBuildBack) {
   AtlasContent content = labelled_voxel(VoxelType::kNone, 7);
   const std::string longest(240, 'x');

@@ -44,10 +44,8 @@ double area_of(const SurfaceMesh& surface, const Grid& grid) {
       const auto& [i, j, k] = surface.positions_ijk[triangle[n]];
       corners[n] = index_to_lps_mm(grid).apply({i, j, k});
     }
-    Vec3 u, v;
-    for (std::size_t a = 0; a < 3; ++a)
-      u[a] = corners[1][a] - corners[0][a], v[a] = corners[2][a] - corners[0][a];
-    area += std::hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]) / 2;
+    const Vec3 twice = cross(difference(corners[1], corners[0]), difference(corners[2], corners[0]));
+    area += std::sqrt(dot(twice, twice)) / 2;
   }
   return area;
 }

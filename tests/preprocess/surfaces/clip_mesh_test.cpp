@@ -26,9 +26,8 @@ Vec3 corner_of(const SurfaceMesh& mesh, std::uint32_t v) {
 }
 
 Vec3 area_vector(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 u{b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v{c[0] - a[0], c[1] - a[1], c[2] - a[2]};
-  return {0.5 * (u[1] * v[2] - u[2] * v[1]), 0.5 * (u[2] * v[0] - u[0] * v[2]),
-          0.5 * (u[0] * v[1] - u[1] * v[0])};
+  const Vec3 twice = cross(difference(b, a), difference(c, a));
+  return {0.5 * twice[0], 0.5 * twice[1], 0.5 * twice[2]};
 }
 
 /// Area, and for a closed surface the enclosed volume, in voxels.
@@ -38,7 +37,7 @@ struct Extent {
   void add(const Vec3& a, const Vec3& b, const Vec3& c) {
     const Vec3 v = area_vector(a, b, c);
     area += std::hypot(v[0], v[1], v[2]);
-    volume += (a[0] * v[0] + a[1] * v[1] + a[2] * v[2]) / 3;
+    volume += dot(a, v) / 3;
   }
 };
 

@@ -1,13 +1,13 @@
 #include "preprocess/surfaces/extract_surfaces.h"
 
 #include <cmath>
-#include <map>
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
 #include "preprocess/surfaces/thick_slices.h"
 #include "tests/preprocess/memberships.h"
+#include "tests/support/closed_mesh.h"
 
 namespace splatlas {
 namespace {
@@ -36,42 +36,17 @@ Vec3 position_mm(const Grid& grid, const SurfaceMesh& mesh, std::uint32_t vertex
   return index_to_lps_mm(grid).apply({i, j, k});
 }
 
-/// Enclosed volume in mm^3; positive if triangles are counter-clockwise seen from outside.
-double enclosed_mm3(const Grid& grid, const SurfaceMesh& mesh) {
-  double volume = 0;
-  for (const auto& t : mesh.triangles) {
-    const Vec3 a = position_mm(grid, mesh, t[0]), b = position_mm(grid, mesh, t[1]),
-               c = position_mm(grid, mesh, t[2]);
-    volume += (a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) +
-               a[2] * (b[0] * c[1] - b[1] * c[0])) /
-              6;
-  }
-  return volume;
-}
-
-/// True if each edge occurs once in each direction.
-bool is_closed(const SurfaceMesh& mesh) {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
-  for (const auto& t : mesh.triangles) {
-    for (std::size_t n = 0; n < 3; ++n) ++edges[{t[n], t[(n + 1) % 3]}];
-  }
-  for (const auto& [edge, count] : edges) {
-    const auto back = edges.find({edge.second, edge.first});
-    if (back == edges.end() || back->second != count) return false;
-  }
-  return true;
-}
-
 TEST(ExtractSurfaces, TrianglesFaceOutwardsWhateverTheGrid) {
   for (const bool mirrored : {false, true}) {
     const Grid grid{.size = kPhantomSize, .spacing_mm = {0.5, 0.8, 2}, .direction_lps = oblique(mirrored)};
     const Extracted e = extract(phantom_masks(), grid);
     for (std::size_t n = 0; n < 2; ++n) {
       const SurfaceMesh& mesh = e.surfaces.surfaces[n];
-      EXPECT_TRUE(is_closed(mesh));
+      EXPECT_TRUE(is_closed(mesh.triangles));
       // A ball of voxels, within half a voxel at its rim.
       const double r = phantom::kBalls[n].radius;
-      EXPECT_NEAR(enclosed_mm3(grid, mesh), 0.5 * 0.8 * 2 * 4 / 3 * M_PI * r * r * r,
+      const auto corner = [&](std::uint32_t vertex) { return position_mm(grid, mesh, vertex); };
+      EXPECT_NEAR(enclosed_volume(mesh.triangles, corner), 0.5 * 0.8 * 2 * 4 / 3 * M_PI * r * r * r,
                   0.05 * 0.8 * 4 / 3 * M_PI * r * r * r);
     }
   }

@@ -8,6 +8,7 @@
 
 #include "format/derive/fit_surface.h"
 #include "tests/format/derive/masks.h"
+#include "tests/support/closed_mesh.h"
 
 namespace splatlas {
 namespace {
@@ -65,12 +66,8 @@ double rms(const SurfaceMesh& mesh, double reach, const Distance& distance) {
 }
 
 double enclosed_mm3(const SurfaceMesh& mesh) {
-  double volume = 0;
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const Vec3 first = mm(mesh.positions_ijk[a]);
-    volume += dot(first, cross(mm(mesh.positions_ijk[b]), mm(mesh.positions_ijk[c]))) / 6;
-  }
-  return volume;
+  return enclosed_volume(mesh.triangles,
+                         [&](std::uint32_t vertex) { return mm(mesh.positions_ijk[vertex]); });
 }
 
 TEST(ThickSlices, ABallStaysABall) {

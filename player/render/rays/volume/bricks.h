@@ -12,8 +12,7 @@
 
 namespace splatlas {
 
-/// Upper bound of the memory of a ray volume with these runs: tables, and pages that they touch here and in
-/// the class cache.
+/// Upper bound of a ray volume's memory: tables, and pages that these runs touch here and in the class cache.
 [[nodiscard]] double bytes_of_ray_volume(const MarchGrid& grid, std::uint64_t runs);
 
 /// One byte per brick, x fastest: nonzero for non-empty bricks.

@@ -23,8 +23,7 @@ struct FrameStack {
 
 /// Groups frames by series, size, orientation (within 1e-3) and pixel spacing (1e-4); a segmentation file is
 /// a group. Where positions repeat or steps are uneven, splits a group by the first of its kinds (SplitKey,
-/// then pairs of them) that leaves even stacks of two and more slices. Ordered by series number, then by
-/// file.
+/// then pairs of them) that leaves even stacks of two and more slices. In order of series number and file.
 [[nodiscard]] std::vector<FrameStack> group_frames(std::span<const DicomFrame> frames);
 
 /// "CT 512x512x93, 3.2x3.2x1.5 mm", with the part. The number of slices counts positions.

@@ -73,8 +73,7 @@ Result<void> find_layers(const Nrrd& nrrd, const fs::path& path, PixelData& pixe
   return {};
 }
 
-/// The axes x and y that ITK leaves with the wrong sign: it turns x of LAS in place of y, and nothing in
-/// spaces with time.
+/// The axes x and y with a wrong sign from ITK: it turns x of LAS, not y, and nothing in spaces with time.
 std::array<bool, 2> misread_axes(int space) {
   if (space == nrrdSpaceLeftAnteriorSuperior || space == nrrdSpaceRightAnteriorSuperiorTime)
     return {true, true};

@@ -129,8 +129,7 @@ bool read_pixels(TIFF* tiff, const Page& page, std::byte* to) {
   return true;
 }
 
-/// True if the file ends behind the last directory's link to the next one: libtiff takes a link that is cut
-/// off for none.
+/// True if the file holds the whole link behind its last directory: libtiff takes one cut off for none.
 bool ends_behind_directory(TIFF* tiff, std::uint64_t offset, const fs::path& path) {
   const bool is_big = TIFFIsBigTIFF(tiff) != 0;
   std::array<char, 8> count{};

@@ -13,14 +13,6 @@ namespace splatlas {
 
 namespace fs = std::filesystem;
 
-Result<ImageFormat> image_format(const fs::path& path) {
-  const std::string name = to_lower(path.filename().string());
-  if (name.ends_with(".nii") || name.ends_with(".nii.gz")) return ImageFormat::kNifti;
-  if (name.ends_with(".nrrd") || name.ends_with(".nhdr")) return ImageFormat::kNrrd;
-  if (name.ends_with(".mha") || name.ends_with(".mhd")) return ImageFormat::kMetaImage;
-  return bad_file(path, "is of no known type; volumes end in .nii, .nii.gz, .nrrd, .nhdr, .mha or .mhd");
-}
-
 std::string shown(const std::string& value) {
   std::size_t end = value.size();
   for (const char* mark : {": ", " = ", ":=", " #"}) end = std::min(end, value.find(mark));

@@ -1,4 +1,4 @@
-// Image formats, and checks of image files before ITK reads them.
+// Checks of image files before ITK reads them.
 //
 // ITK's readers accept truncated MetaImage files and follow detached headers to any file of the machine. They
 // replace invalid spacings silently, and abort on a NaN in an orientation.
@@ -17,8 +17,6 @@
 
 namespace splatlas {
 
-enum class ImageFormat { kNifti, kNrrd, kMetaImage };
-
 /// Maximum magnitude of numbers in a geometry, in mm.
 inline constexpr double kMaxPlausible = 1e9;
 /// True for numbers that are valid in a geometry: 0, or a magnitude from 1e-37 to kMaxPlausible. ITK's linear
@@ -26,9 +24,6 @@ inline constexpr double kMaxPlausible = 1e9;
 [[nodiscard]] inline bool is_plausible(double x) {
   return x == 0 || (std::abs(x) > 1e-37 && std::abs(x) <= kMaxPlausible);
 }
-
-/// The format by the file's ending: .nii, .nii.gz; .nrrd, .nhdr; .mha, .mhd. kFailed for any other.
-[[nodiscard]] Result<ImageFormat> image_format(const std::filesystem::path& path);
 
 enum class Compression : std::uint8_t { kNone, kDeflate, kBzip2 };
 

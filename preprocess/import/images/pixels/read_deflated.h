@@ -52,8 +52,7 @@ class GzipFile {
   [[nodiscard]] static Result<GzipFile> open(const std::filesystem::path& path);
 
   [[nodiscard]] bool is_compressed() const { return gzdirect(stream_.get()) == 0; }
-  /// Reads from the current position. Returns the number of bytes, fewer at the end of the file. kFailed for
-  /// damage.
+  /// Reads from the current position. Returns the bytes read, fewer at the file's end. kFailed for damage.
   [[nodiscard]] Result<std::size_t> read_some(std::span<std::byte> bytes);
   /// Reads `count` bytes from an offset of the decompressed file. kFailed if there are fewer.
   [[nodiscard]] Result<std::vector<std::byte>> read(std::uint64_t offset, std::uint64_t count);

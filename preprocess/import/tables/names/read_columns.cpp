@@ -1,5 +1,4 @@
-// Tables with columns by name, separated by commas, semicolons or tabs; also rows "label,name" without a
-// header.
+// Tables with named columns, separated by commas, semicolons or tabs; also rows "label,name" without header.
 #include <algorithm>
 
 #include <fmt/format.h>

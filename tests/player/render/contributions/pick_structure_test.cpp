@@ -83,7 +83,7 @@ std::optional<Shares> contributions(const RandomScene& scene, const View& view, 
 void expect_on_ray(const Pick& pick, const View& view, const Grid& grid, double x, double y) {
   const Vec3 index = lps_mm_to_index(grid).apply(pick.point_lps_mm);
   const double mm =
-      reference::dot(reference::minus(pick.point_lps_mm, view.plane.center_lps_mm), view.plane.forward_lps);
+      dot(reference::minus(pick.point_lps_mm, view.plane.center_lps_mm), view.plane.forward_lps);
   EXPECT_GE(mm, view.eye_mm ? -*view.eye_mm * (1 + 1e-9) : -HUGE_VAL);
   const Vec3 on_ray = ViewDepth(view, grid).index_at(x, y, mm);
   for (std::size_t a = 0; a < 3; ++a) EXPECT_NEAR(on_ray[a], index[a], 1e-3);
@@ -120,33 +120,22 @@ struct Picks {
 };
 
 TEST(Pick, NamesTheStructureThatContributesMost) {
-  Picks picks;
-  for (std::uint32_t number = 0; number < 80; ++number) {
-    SCOPED_TRACE(number);
-    RandomScene scene = random_scene(number);
-    scene.options.antialiasing = false;  // the ray of the pixel's centre
-    picks.compare(scene, false);
-  }
-  EXPECT_GT(picks.picked, 150);
-  EXPECT_GT(picks.nothing, 100);
-}
-
-TEST(Pick, NamesTheStructureThatContributesMostInFramesOfRays) {
-  Picks picks;
-  for (std::uint32_t number = 0; number < 90; ++number) {
-    SCOPED_TRACE(number);
-    RandomScene scene = random_scene(number);
-    scene.options.antialiasing = false;
-    if (number % 3 == 0) {
-      scene.options.classification = Classification::kAfter;
-    } else {
-      scene.camera.projection = CameraProjection::kPerspective;
-      scene.camera.field_of_view_deg = number % 3 == 1 ? 20 : 50;
+  for (const bool by_rays : {false, true}) {
+    Picks picks;
+    for (std::uint32_t number = 0; number < 90; ++number) {
+      SCOPED_TRACE(testing::Message() << number << ", by rays: " << by_rays);
+      RandomScene scene = random_scene(number);
+      scene.options.antialiasing = false;  // the ray of the pixel's centre
+      if (by_rays && number % 3 == 0) scene.options.classification = Classification::kAfter;
+      if (by_rays && number % 3 != 0) {
+        scene.camera.projection = CameraProjection::kPerspective;
+        scene.camera.field_of_view_deg = number % 3 == 1 ? 20 : 50;
+      }
+      picks.compare(scene, by_rays);
     }
-    picks.compare(scene, true);
+    EXPECT_GT(picks.picked, 150);
+    EXPECT_GT(picks.nothing, 100);
   }
-  EXPECT_GT(picks.picked, 150);
-  EXPECT_GT(picks.nothing, 100);
 }
 
 TEST(Pick, PointsLieOnThePixelsRayWhereTheStructureIs) {
@@ -166,13 +155,13 @@ TEST(Pick, PointsLieOnThePixelsRayWhereTheStructureIs) {
         const auto pick = frame.pick(x, y);
         ASSERT_TRUE(pick);
         const Vec3 from_ray = reference::minus(pick->point_lps_mm, view.point_lps_mm(x, y));
-        EXPECT_NEAR(reference::dot(from_ray, view.right_lps), 0, 1e-9);
-        EXPECT_NEAR(reference::dot(from_ray, view.up_lps), 0, 1e-9);
+        EXPECT_NEAR(dot(from_ray, view.right_lps), 0, 1e-9);
+        EXPECT_NEAR(dot(from_ray, view.up_lps), 0, 1e-9);
         // The near side of the ball, whose surface is about 7 voxels from its centre.
         const Vec3 index = to_index.apply(pick->point_lps_mm);
         const Vec3 from_centre{index[0] - 10, index[1] - 10, index[2] - 10};
-        EXPECT_NEAR(std::sqrt(reference::dot(from_centre, from_centre)), 7, 1.2);
-        EXPECT_LT(reference::dot(from_ray, view.forward_lps), 0) << "the near side is in front of the middle";
+        EXPECT_NEAR(std::sqrt(dot(from_centre, from_centre)), 7, 1.2);
+        EXPECT_LT(dot(from_ray, view.forward_lps), 0) << "the near side is in front of the middle";
       }
       for (const auto& [x, y] : {std::pair(0.5, 0.5),
                                  {-1.0, 5.0},

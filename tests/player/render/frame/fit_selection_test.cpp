@@ -21,26 +21,33 @@ namespace {
 
 constexpr double kMargin = 0.02;  // of the picture's sides
 
+/// Calls use(index) for every voxel that a plan draws.
+template <typename Use>
+void for_each_voxel(const Atlas& atlas, const DrawPlan& plan, const Use& use) {
+  const auto rows = static_cast<std::uint64_t>(atlas.grid().size[1]);
+  for (const ClassDraw& draw : plan.classes) {
+    if (!draws_volume(draw.role)) continue;
+    for (const Run& run : value_or_throw(atlas.read_runs(draw.id, Axis::kZ))) {
+      for (std::uint32_t i = run.start; i < run.start + run.length; ++i)
+        use(Vec3{1.0 * i, static_cast<double>(run.scanline % rows),
+                 static_cast<double>(run.scanline / rows)});
+    }
+  }
+}
+
 /// Corners of the drawn content, voxel by voxel: volumes with the reach of interpolation, and the vertices of
 /// surfaces.
 std::vector<Vec3> corners_lps(const Atlas& atlas, const Selection& selection) {
   const DrawPlan plan = atlas.tree().plan(selection);
   const Affine to_lps = index_to_lps_mm(atlas.grid());
   std::vector<Vec3> corners;
-  for (const ClassDraw& draw : plan.classes) {
-    if (!draws_volume(draw.role)) continue;
-    for (const Run& run : value_or_throw(atlas.read_runs(draw.id, Axis::kZ))) {
-      const auto rows = static_cast<std::uint64_t>(atlas.grid().size[1]);
-      for (std::uint32_t i = run.start; i < run.start + run.length; ++i) {
-        for (unsigned corner = 0; corner < 8; ++corner) {
-          Vec3 index{static_cast<double>(i), static_cast<double>(run.scanline % rows),
-                     static_cast<double>(run.scanline / rows)};
-          for (std::size_t a = 0; a < 3; ++a) index[a] += (corner >> a & 1u) != 0 ? 1 : -1;
-          corners.push_back(to_lps.apply(index));
-        }
-      }
+  for_each_voxel(atlas, plan, [&](const Vec3& voxel) {
+    for (unsigned corner = 0; corner < 8; ++corner) {
+      Vec3 index = voxel;
+      for (std::size_t a = 0; a < 3; ++a) index[a] += (corner >> a & 1u) != 0 ? 1 : -1;
+      corners.push_back(to_lps.apply(index));
     }
-  }
+  });
   for (const StructureIndex s : plan.surfaces) {
     const SurfaceMesh mesh = value_or_throw(atlas.read_surface(s));
     for (const auto& p : mesh.positions_ijk) corners.push_back(to_lps.apply({p[0], p[1], p[2]}));
@@ -139,31 +146,22 @@ TEST(FitSelection, TouchesTheMarginsAndCrossesNone) {
 /// Points of the drawn content that the cuts keep: samples of the boxes up to the next voxels' centres, and
 /// of triangles.
 std::vector<Vec3> kept_points_lps(const Atlas& atlas, const Selection& selection, const CutPlanes& cuts) {
-  constexpr int kSteps = 6;
+  static constexpr int kSteps = 6;
   const DrawPlan plan = atlas.tree().plan(selection);
   const Affine to_lps = index_to_lps_mm(atlas.grid());
   std::vector<Vec3> points;
   const auto add = [&](const Vec3& index) {
     const Vec3 p = to_lps.apply(index);
-    const bool is_kept = std::ranges::all_of(cuts, [&](const CutPlane& cut) {
-      const Vec3& n = cut.normal_lps;
-      return n[0] * p[0] + n[1] * p[1] + n[2] * p[2] <= cut.offset_mm;
-    });
-    if (is_kept) points.push_back(p);
+    const auto keeps = [&](const CutPlane& cut) { return dot(cut.normal_lps, p) <= cut.offset_mm; };
+    if (std::ranges::all_of(cuts, keeps)) points.push_back(p);
   };
-  for (const ClassDraw& draw : plan.classes) {
-    if (!draws_volume(draw.role)) continue;
-    for (const Run& run : value_or_throw(atlas.read_runs(draw.id, Axis::kZ))) {
-      const auto rows = static_cast<std::uint64_t>(atlas.grid().size[1]);
-      for (std::uint32_t i = run.start; i < run.start + run.length; ++i) {
-        for (int n = 0; n < kSteps * kSteps * kSteps; ++n) {
-          const auto step = [](int of) { return 2.0 * of / (kSteps - 1) - 1; };
-          add({i + step(n % kSteps), static_cast<double>(run.scanline % rows) + step(n / kSteps % kSteps),
-               static_cast<double>(run.scanline / rows) + step(n / kSteps / kSteps)});
-        }
-      }
+  for_each_voxel(atlas, plan, [&](const Vec3& voxel) {
+    for (int n = 0; n < kSteps * kSteps * kSteps; ++n) {
+      const auto step = [](int of) { return 2.0 * of / (kSteps - 1) - 1; };
+      add({voxel[0] + step(n % kSteps), voxel[1] + step(n / kSteps % kSteps),
+           voxel[2] + step(n / kSteps / kSteps)});
     }
-  }
+  });
   for (const StructureIndex s : plan.surfaces) {
     const SurfaceMesh mesh = value_or_throw(atlas.read_surface(s));
     for (const auto& corners : mesh.triangles) {
@@ -191,13 +189,8 @@ double voxel_pixels(const View& view, const Grid& grid) {
     Vec3 axis{};
     axis[a] = 1;
     const Vec3 mm = to_lps.apply_linear(axis);
-    double along_right = 0, along_up = 0;
-    for (std::size_t b = 0; b < 3; ++b) {
-      along_right += mm[b] * view.plane.right_lps[b];
-      along_up += mm[b] * view.plane.up_lps[b];
-    }
-    right += std::abs(along_right);
-    up += std::abs(along_up);
+    right += std::abs(dot(mm, view.plane.right_lps));
+    up += std::abs(dot(mm, view.plane.up_lps));
   }
   return std::max(right, up) / view.plane.mm_per_pixel;
 }
@@ -218,8 +211,7 @@ TEST(FitSelection, FitsToThePartThatCutsKeep) {
     const Vec3 middle = to_lps.apply({0.5 * size[0], 0.5 * size[1], 0.5 * size[2]});
     for (std::uint32_t n = 0; n <= number % 3; ++n) {
       const Vec3 side{normal(random), normal(random), normal(random)};
-      const double offset = side[0] * middle[0] + side[1] * middle[1] + side[2] * middle[2];
-      ASSERT_TRUE(scene.options.cuts.add({side, offset}));
+      ASSERT_TRUE(scene.options.cuts.add({side, dot(side, middle)}));
     }
     const std::vector<Vec3> points = kept_points_lps(*atlas, scene.selection, scene.options.cuts);
     if (points.empty()) continue;

@@ -171,7 +171,7 @@ TEST(CastRays, AWideFieldOfViewIsSeamless) {
       for (int x = 0; x < 41; ++x) {
         Vec3 along = reference::minus(view.plane.point_lps_mm(x + 0.5, y + 0.5), view.eye_lps_mm());
         const double max = std::max({std::abs(along[0]), std::abs(along[1]), std::abs(along[2])});
-        const double per_mm = std::sqrt(reference::dot(along, along)) / max;
+        const double per_mm = std::sqrt(dot(along, along)) / max;
         // 10 mm of fog and a border of one more that thins out: by half on the way through a side, and by
         // more where edges and corners are near.
         const double depth = -std::log(1 - 0.05) * per_mm;

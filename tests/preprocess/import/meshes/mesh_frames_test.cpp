@@ -10,6 +10,7 @@
 
 #include "preprocess/import/meshes/place_mesh.h"
 #include "tests/preprocess/messages_of_notes.h"
+#include "tests/support/closed_mesh.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/temporary_folder.h"
 
@@ -85,13 +86,7 @@ std::string obj(const std::string& comment) {
 
 /// Six times the volume within a closed surface; negative if it is inside out.
 double volume_of(const TriangleMesh& mesh) {
-  double sum = 0;
-  for (const auto& [i, j, k] : mesh.triangles) {
-    const Vec3 &a = mesh.positions_lps_mm[i], &b = mesh.positions_lps_mm[j], &c = mesh.positions_lps_mm[k];
-    sum += a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) +
-           a[2] * (b[0] * c[1] - b[1] * c[0]);
-  }
-  return sum;
+  return 6 * enclosed_volume(mesh.triangles, [&](std::uint32_t v) { return mesh.positions_lps_mm[v]; });
 }
 
 Vec3 sum_of_corners(const TriangleMesh& mesh) {
