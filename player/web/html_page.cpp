@@ -100,7 +100,7 @@ Result<void> check_web_module() {
 
 Result<std::string> encode_html(const HtmlPage& page) {
   if (!page.is_served) SPLATLAS_RETURN_IF_ERROR(check_web_module());
-  const std::string script = page_script();
+  const std::string script(page_script());
   const std::string title = page.title.empty() ? "Anatomy atlas" : page.title;
   const std::array<std::pair<std::string_view, std::string>, 12> values{
       {{"policy", policy(script, page)},
@@ -110,7 +110,7 @@ Result<std::string> encode_html(const HtmlPage& page) {
        {"script", script},
        {"picture", base64(page.picture)},
        {"opening", json_in_markup(page.opening)},
-       {"worker", worker_script()},
+       {"worker", std::string(worker_script())},
        {"module", page.is_served ? std::string() : base64(web_module_gzip())},
        {"served", page.is_served ? " data-served" : ""},
        {"url", page.url},

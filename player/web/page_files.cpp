@@ -1,6 +1,8 @@
 #include "player/web/page_files.h"
 
-// Defines NAME(), the bytes of a file, which the assembler includes.
+// Defines NAME(), the bytes of one file, or of several with SPLATLAS_AND between them. The assembler includes
+// them.
+#define SPLATLAS_AND "\"\n.incbin \"" SPLATLAS_WEB_FOLDER
 #define SPLATLAS_EMBED(name, path)                                                       \
   __asm__(                                                                               \
       ".pushsection .rodata\n"                                                           \
@@ -13,70 +15,25 @@
       ".popsection\n");                                                                  \
   extern "C" __attribute__((visibility("hidden"))) const char splatlas_##name##_begin[], \
       splatlas_##name##_end[]; /* NOLINT */                                              \
-  namespace {                                                                            \
-  std::string_view name() {                                                              \
+  std::string_view splatlas::name() {                                                    \
     return {splatlas_##name##_begin,                                                     \
             static_cast<std::size_t>(splatlas_##name##_end - splatlas_##name##_begin)};  \
-  }                                                                                      \
   }
 
-SPLATLAS_EMBED(html, SPLATLAS_WEB_FOLDER "/page/page.html")
-SPLATLAS_EMBED(css, SPLATLAS_WEB_FOLDER "/page/page.css")
-SPLATLAS_EMBED(catalogue_html, SPLATLAS_WEB_FOLDER "/page/catalogue.html")
-SPLATLAS_EMBED(catalogue_css, SPLATLAS_WEB_FOLDER "/page/catalogue.css")
-SPLATLAS_EMBED(camera_js, SPLATLAS_WEB_FOLDER "/page/camera.js")
-SPLATLAS_EMBED(model_js, SPLATLAS_WEB_FOLDER "/page/model.js")
-SPLATLAS_EMBED(engine_js, SPLATLAS_WEB_FOLDER "/page/engine.js")
-SPLATLAS_EMBED(stage_js, SPLATLAS_WEB_FOLDER "/page/stage.js")
-SPLATLAS_EMBED(tree_js, SPLATLAS_WEB_FOLDER "/page/tree.js")
-SPLATLAS_EMBED(panels_js, SPLATLAS_WEB_FOLDER "/page/panels.js")
-SPLATLAS_EMBED(talk_js, SPLATLAS_WEB_FOLDER "/page/talk.js")
-SPLATLAS_EMBED(lesson_js, SPLATLAS_WEB_FOLDER "/page/lesson.js")
-SPLATLAS_EMBED(quiz_js, SPLATLAS_WEB_FOLDER "/page/quiz.js")
-SPLATLAS_EMBED(slices_js, SPLATLAS_WEB_FOLDER "/page/slices.js")
-SPLATLAS_EMBED(page_js, SPLATLAS_WEB_FOLDER "/page/page.js")
-SPLATLAS_EMBED(splatlas_js, SPLATLAS_WEB_FOLDER "/splatlas.js")
-SPLATLAS_EMBED(worker_js, SPLATLAS_WEB_FOLDER "/page/worker.js")
+SPLATLAS_EMBED(page_template, SPLATLAS_WEB_FOLDER "/page/page.html")
+SPLATLAS_EMBED(page_style, SPLATLAS_WEB_FOLDER "/page/page.css")
+SPLATLAS_EMBED(catalogue_template, SPLATLAS_WEB_FOLDER "/page/catalogue.html")
+SPLATLAS_EMBED(catalogue_style, SPLATLAS_WEB_FOLDER "/page/catalogue.css")
+SPLATLAS_EMBED(page_script, SPLATLAS_WEB_FOLDER
+               "/page/camera.js" SPLATLAS_AND "/page/model.js" SPLATLAS_AND "/page/engine.js" SPLATLAS_AND
+               "/page/stage.js" SPLATLAS_AND "/page/tree.js" SPLATLAS_AND "/page/panels.js" SPLATLAS_AND
+               "/page/talk.js" SPLATLAS_AND "/page/lesson.js" SPLATLAS_AND "/page/quiz.js" SPLATLAS_AND
+               "/page/slices.js" SPLATLAS_AND "/page/page.js")
+SPLATLAS_EMBED(worker_script, SPLATLAS_WEB_FOLDER "/splatlas.js" SPLATLAS_AND "/page/worker.js")
 #ifdef SPLATLAS_WEB_MODULE_GZIP
-SPLATLAS_EMBED(module_gzip, SPLATLAS_WEB_MODULE_GZIP)
-#endif
-
-namespace splatlas {
-
-std::string_view page_template() {
-  return html();
-}
-
-std::string_view page_style() {
-  return css();
-}
-
-std::string_view catalogue_template() {
-  return catalogue_html();
-}
-
-std::string_view catalogue_style() {
-  return catalogue_css();
-}
-
-std::string page_script() {
-  std::string script;
-  for (const std::string_view part : {camera_js(), model_js(), engine_js(), stage_js(), tree_js(),
-                                      panels_js(), talk_js(), lesson_js(), quiz_js(), slices_js(), page_js()})
-    script += part;
-  return script;
-}
-
-std::string worker_script() {
-  return std::string(splatlas_js()) + std::string(worker_js());
-}
-
-std::string_view web_module_gzip() {
-#ifdef SPLATLAS_WEB_MODULE_GZIP
-  return module_gzip();
+SPLATLAS_EMBED(web_module_gzip, SPLATLAS_WEB_MODULE_GZIP)
 #else
+std::string_view splatlas::web_module_gzip() {
   return {};
-#endif
 }
-
-}  // namespace splatlas
+#endif

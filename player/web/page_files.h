@@ -1,7 +1,6 @@
 // The files of the page that `export --html` writes, embedded in the program when it is built.
 #pragma once
 
-#include <string>
 #include <string_view>
 
 namespace splatlas {
@@ -14,9 +13,9 @@ namespace splatlas {
 [[nodiscard]] std::string_view catalogue_template();
 [[nodiscard]] std::string_view catalogue_style();
 /// The page's script: its sources in the order of their use.
-[[nodiscard]] std::string page_script();
+[[nodiscard]] std::string_view page_script();
 /// The script of its workers.
-[[nodiscard]] std::string worker_script();
+[[nodiscard]] std::string_view worker_script();
 /// splatlas.wasm, compressed by gzip. Empty if the program was built without it.
 [[nodiscard]] std::string_view web_module_gzip();
 

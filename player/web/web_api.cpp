@@ -1,12 +1,20 @@
-#include "player/web/web_api.h"
-
+// PageEngine as C functions, for a page's script: splatlas.js calls them.
+//
+// A module has one engine. An answer, a picture and the input are valid until the next call.
 #include <cstddef>
+#include <cstdint>
 #include <exception>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "player/web/page_engine.h"
+
+#ifdef __wasm__
+#define SPLATLAS_WEB(name) extern "C" __attribute__((export_name(#name), used))
+#else  // for tools that read the source
+#define SPLATLAS_WEB(name) extern "C"
+#endif
 
 namespace splatlas {
 namespace {
@@ -29,14 +37,17 @@ WebModule& module() {
 
 using namespace splatlas;  // NOLINT(google-build-using-namespace): C functions stand in no namespace
 
-std::uint8_t* splatlas_input(std::uint32_t bytes) try {
+/// Makes room for the input of the next call: bytes, and behind them the request in UTF-8. Null when out of
+/// memory.
+SPLATLAS_WEB(splatlas_input) std::uint8_t* splatlas_input(std::uint32_t bytes) try {
   module().input.resize(bytes);
   return reinterpret_cast<std::uint8_t*>(module().input.data());
 } catch (const std::exception&) {
   return nullptr;
 }
 
-int splatlas_call(std::uint32_t request_bytes) try {
+/// Answers the request, the last bytes of the input. Returns PageAnswer::status.
+SPLATLAS_WEB(splatlas_call) int splatlas_call(std::uint32_t request_bytes) try {
   std::vector<std::byte> bytes = std::exchange(module().input, {});
   const std::size_t rest = bytes.size() - request_bytes;
   const std::string request(reinterpret_cast<const char*>(bytes.data()) + rest, request_bytes);
@@ -48,18 +59,21 @@ int splatlas_call(std::uint32_t request_bytes) try {
   return 1 + static_cast<int>(ErrorCode::kLimit);
 }
 
-const char* splatlas_text() {
+/// The latest answer's text, in UTF-8, and its bytes.
+SPLATLAS_WEB(splatlas_text) const char* splatlas_text() {
   return module().answer.text.data();
 }
-std::uint32_t splatlas_text_bytes() {
+SPLATLAS_WEB(splatlas_text_bytes) std::uint32_t splatlas_text_bytes() {
   return static_cast<std::uint32_t>(module().answer.text.size());
 }
 
-const float* splatlas_floats() {
+/// The picture: linear RGBA, premultiplied; 4 * width * height floats, top row first.
+SPLATLAS_WEB(splatlas_floats) const float* splatlas_floats() {
   return module().engine.frame().picture.rgba.data();
 }
 
-const std::uint8_t* splatlas_pixels() try {
+/// The same as 8-bit sRGB with straight alpha, for ImageData. Null when out of memory.
+SPLATLAS_WEB(splatlas_pixels) const std::uint8_t* splatlas_pixels() try {
   const Picture& picture = module().engine.frame().picture;
   module().pixels.resize(picture.rgba.size());
   return to_srgba8(picture, module().pixels) ? module().pixels.data() : nullptr;

@@ -83,7 +83,7 @@ std::vector<bool> classes_to_window(const ClassTable& classes, const StructureGr
 }
 
 /// Finite grey values of the contributing classes, subsampled regularly if there are many.
-std::vector<double> sample_values(const Classification& classification, const std::vector<bool>& counts,
+std::vector<double> sample_values(const ClassifiedVoxels& classification, const std::vector<bool>& counts,
                                   const VoxelBuffer& values, std::uint64_t width) {
   constexpr std::uint64_t kMaxSamples = std::uint64_t{1} << 22;
   std::uint64_t voxels = 0;
@@ -182,10 +182,10 @@ Result<AtlasContent> build_content(SourceModel model, const std::string& labels,
       model, placed, grid, fragments, [&](double fraction) { clock.update(fraction); }, notes));
   clock.begin("classify", 0.05);
   model.memberships.renumber(placed.index_of_source);
-  Result<Classification> classified =
+  Result<ClassifiedVoxels> classified =
       classify_voxels(std::move(model.memberships), crossed_voxels(model, placed), placed.graph, threads);
   if (!classified) return fail(classified.error().code, "{}: {}", labels, classified.error().message);
-  Classification& classification = *classified;
+  ClassifiedVoxels& classification = *classified;
 
   clock.begin("surfaces", 0.25);
   SPLATLAS_ASSIGN_OR_RETURN(ExtractedSurfaces extracted,
@@ -225,7 +225,7 @@ Result<BuildReport> report_on(const std::vector<std::byte>& bytes, const fs::pat
 
 }  // namespace
 
-Display measure_display(const Classification& classification, const StructureGraph& graph,
+Display measure_display(const ClassifiedVoxels& classification, const StructureGraph& graph,
                         const VoxelBuffer& values, const Grid& storage_grid) {
   Display display;
   measure_sphere(classification.runs, storage_grid, display);

@@ -54,7 +54,7 @@ struct BuildReport {
 /// values in labelled structures, or in all structures if none has a label. Large volumes are subsampled
 /// regularly. The sphere is centred on the bounding box of all structures' voxels and contains their corners;
 /// without such voxels it is that of the grid. `values` is in the storage grid and may be empty.
-[[nodiscard]] Display measure_display(const Classification& classification, const StructureGraph& graph,
+[[nodiscard]] Display measure_display(const ClassifiedVoxels& classification, const StructureGraph& graph,
                                       const VoxelBuffer& values, const Grid& storage_grid);
 
 }  // namespace splatlas

@@ -268,8 +268,8 @@ struct BandRuns {
 
 }  // namespace
 
-Result<Classification> classify_voxels(MembershipVolume memberships, std::span<const CrossedVoxel> crossed,
-                                       const StructureGraph& graph, unsigned threads) {
+Result<ClassifiedVoxels> classify_voxels(MembershipVolume memberships, std::span<const CrossedVoxel> crossed,
+                                         const StructureGraph& graph, unsigned threads) {
   constexpr std::size_t kMaxStructuresPerVoxel = 64;  // bits of Combination::boundary
   for (const auto& set : memberships.sets()) {
     if (set.size() > kMaxStructuresPerVoxel) {
@@ -304,7 +304,7 @@ Result<Classification> classify_voxels(MembershipVolume memberships, std::span<c
   const std::vector<ClassId> order = storage_order(found, graph);
   std::vector<ClassId> new_number(order.size());
   for (ClassId n = 0; n < order.size(); ++n) new_number[order[n]] = n;
-  Classification result{found.renumbered(order), {Axis::kZ, std::vector<ClassRuns>(order.size())}};
+  ClassifiedVoxels result{found.renumbered(order), {Axis::kZ, std::vector<ClassRuns>(order.size())}};
   std::vector<BandRuns> band_runs(bands.size(), BandRuns(order.size()));
   parallel_for(bands.size(), threads, [&](std::size_t n) {
     for (ClassId& id : bands[n].class_of) id = new_number[id];

@@ -18,7 +18,7 @@ struct CrossedVoxel {
 };
 
 /// Class table, and the voxels of every class.
-struct Classification {
+struct ClassifiedVoxels {
   ClassTable classes;  ///< with counts and boxes, in storage_order()
   RunModel runs;       ///< along z
 };
@@ -28,8 +28,8 @@ struct Classification {
 /// grid. `memberships` must use the indices of `graph`; `crossed` must be sorted and unique. kLimit if more
 /// than 64 structures contain one voxel. Cost: two passes with 18 vectorized comparisons per voxel. Memory:
 /// that of `memberships`, reused, and of 32 slices. The same for all `threads` (0: one per core).
-[[nodiscard]] Result<Classification> classify_voxels(MembershipVolume memberships,
-                                                     std::span<const CrossedVoxel> crossed,
-                                                     const StructureGraph& graph, unsigned threads = 0);
+[[nodiscard]] Result<ClassifiedVoxels> classify_voxels(MembershipVolume memberships,
+                                                       std::span<const CrossedVoxel> crossed,
+                                                       const StructureGraph& graph, unsigned threads = 0);
 
 }  // namespace splatlas

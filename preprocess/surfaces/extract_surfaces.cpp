@@ -19,7 +19,7 @@ namespace {
 /// Extracts the surface and the boundary normals of single structures.
 class StructureExtractor {
  public:
-  StructureExtractor(const Classification& classification, const StructureClasses& structure_classes,
+  StructureExtractor(const ClassifiedVoxels& classification, const StructureClasses& structure_classes,
                      const Grid& grid, const ExtractOptions& options,
                      std::span<const StructureIndex> normal_owner,
                      std::span<std::vector<PackedNormal>> normals)
@@ -75,7 +75,7 @@ class StructureExtractor {
   }
 
  private:
-  const Classification& classification_;
+  const ClassifiedVoxels& classification_;
   const StructureClasses& structure_classes_;
   const Grid& grid_;
   const ExtractOptions& options_;
@@ -105,8 +105,9 @@ std::vector<std::pair<StructureIndex, IndexBox>> structures_to_extract(
 
 }  // namespace
 
-Result<ExtractedSurfaces> extract_surfaces(const Classification& classification, const StructureGraph& graph,
-                                           const Grid& storage_grid, const ExtractOptions& options) {
+Result<ExtractedSurfaces> extract_surfaces(const ClassifiedVoxels& classification,
+                                           const StructureGraph& graph, const Grid& storage_grid,
+                                           const ExtractOptions& options) {
   ExtractedSurfaces result;
   result.surfaces.resize(graph.size());
   result.fitted.resize(graph.size());

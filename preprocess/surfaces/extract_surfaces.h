@@ -44,7 +44,7 @@ struct ExtractOptions {
 /// Errors name the structure. Parallel over structures. Memory per thread: a byte per voxel of a structure's
 /// box, five of an isosurface's, and about 200 per vertex. Thick slices add all surfaces and the memory of
 /// smooth_across_slices().
-[[nodiscard]] Result<ExtractedSurfaces> extract_surfaces(const Classification& classification,
+[[nodiscard]] Result<ExtractedSurfaces> extract_surfaces(const ClassifiedVoxels& classification,
                                                          const StructureGraph& graph,
                                                          const Grid& storage_grid,
                                                          const ExtractOptions& options = {});

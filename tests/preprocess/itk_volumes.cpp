@@ -7,7 +7,6 @@
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
 
-#include "preprocess/export/write_image.h"
 #include "preprocess/import/images/itk/itk_call.h"
 
 namespace splatlas {
@@ -27,19 +26,17 @@ itk::IOComponentEnum component_of(VoxelType type) {
   return kTypes[static_cast<std::size_t>(type)];
 }
 
-itk::ImageIOBase::Pointer make_image_io(ImageFormat format) {
-  switch (format) {
-    case ImageFormat::kNifti: return itk::NiftiImageIO::New().GetPointer();
-    case ImageFormat::kNrrd: return itk::NrrdImageIO::New().GetPointer();
-    case ImageFormat::kMetaImage: break;
-  }
-  return itk::MetaImageIO::New().GetPointer();
+itk::ImageIOBase::Pointer make_image_io(const std::filesystem::path& path) {
+  const std::filesystem::path ending = path.extension();
+  if (ending == ".nrrd" || ending == ".nhdr") return itk::NrrdImageIO::New().GetPointer();
+  if (ending == ".mha" || ending == ".mhd") return itk::MetaImageIO::New().GetPointer();
+  return itk::NiftiImageIO::New().GetPointer();
 }
 
 }  // namespace
 
 Image read_by_itk(const std::filesystem::path& path) {
-  const itk::ImageIOBase::Pointer io = make_image_io(*writable_image_format(path));
+  const itk::ImageIOBase::Pointer io = make_image_io(path);
   io->SetFileName(path.string());
   io->ReadImageInformation();
   Image image{grid_of(*io), {voxel_type_of(io->GetComponentType()), {}}};

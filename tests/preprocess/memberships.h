@@ -21,7 +21,7 @@ inline MembershipVolume memberships_of(const Masks& masks, const Index3& size) {
 }
 
 /// The class of every voxel.
-inline std::vector<ClassId> volume_of(const Classification& classification, const Index3& size) {
+inline std::vector<ClassId> volume_of(const ClassifiedVoxels& classification, const Index3& size) {
   return value_or_throw(decode_runs(classification.runs, size));
 }
 

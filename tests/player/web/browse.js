@@ -270,6 +270,22 @@ async function ask(visit) {
   assert.strictEqual(await visit.text('#caption'), 'The <b>first</b> one.');
 }
 
+/** A click in a slice names what is there and cuts the picture; the wheel moves the cut. */
+async function slices(visit) {
+  const {page} = visit;
+  await page.click('#tab-cutting');
+  const slice = await page.$('#slices canvas:last-child');
+  await page.waitForFunction(canvas => canvas.getContext('2d').getImageData(0, 0, 1, 1).data[3] === 255, {timeout: kPatience}, slice);
+  await visit.changes('cut', () => slice.click());
+  assert.notStrictEqual(await visit.text('#picked'), '');
+  const [cut] = await page.evaluate(() => window.splatlas.state().cuts);
+  assert.deepStrictEqual(cut.normal, [0, 0, 1]);
+  await visit.changes('scroll', () => page.mouse.wheel({deltaY: 100}));
+  assert.ok((await page.evaluate(() => window.splatlas.state().cuts))[0].offset > cut.offset);
+  await visit.picture('desk_slices');
+  await visit.changes('no cuts', () => page.click('#no-cuts'));
+}
+
 /** Names the structure that is asked for, looks for one, and has the picture of before at the end. */
 async function quiz(visit) {
   const {page} = visit;
@@ -344,6 +360,7 @@ async function onDesk(visit, url) {
   await visit.picture('desk_scene');
   await ask(visit);
   await quiz(visit);
+  await slices(visit);
   await record(visit);
   await visit.changes('scene', () => page.keyboard.press('p'));
   await visit.changes('drag', () => drag(visit));

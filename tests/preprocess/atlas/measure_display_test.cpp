@@ -9,7 +9,7 @@
 namespace splatlas {
 namespace {
 
-Classification classify(const Masks& masks, const Grid& grid, const StructureGraph& graph) {
+ClassifiedVoxels classify(const Masks& masks, const Grid& grid, const StructureGraph& graph) {
   return *classify_voxels(memberships_of(masks, grid.size), {}, graph, 1);
 }
 
@@ -62,7 +62,7 @@ TEST(MeasureDisplay, ConstantAndBrokenValuesStillGiveAWindow) {
   const Grid grid{.size = {4, 1, 1}};
   VoxelBuffer values{VoxelType::kFloat32, std::vector<std::byte>(16)};
   const StructureGraph graph = flat_graph(1);
-  const Classification all = classify({std::vector<std::uint8_t>(4, 1)}, grid, graph);
+  const ClassifiedVoxels all = classify({std::vector<std::uint8_t>(4, 1)}, grid, graph);
   for (std::size_t v = 0; v < 4; ++v) values.as<float>()[v] = 5;
   Display display = measure_display(all, graph, values, grid);
   EXPECT_EQ(display.window_low, 5);

@@ -13,7 +13,7 @@ namespace splatlas {
 namespace {
 
 struct Extracted {
-  Classification classification;
+  ClassifiedVoxels classification;
   ExtractedSurfaces surfaces;
 };
 

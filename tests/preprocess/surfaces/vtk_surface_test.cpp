@@ -246,7 +246,7 @@ TEST(ExtractSurfaces, DecodedTrianglesAreVtksInRandomLabelVolumes) {
     const Grid& grid = content.source_grid;
     const Masks masks = random_labels(random, grid.size);
     content.graph = flat_graph(masks.size());
-    Classification classification =
+    ClassifiedVoxels classification =
         value_or_throw(classify_voxels(memberships_of(masks, grid.size), {}, content.graph, 1));
     for (const SurfaceRule rule : {SurfaceRule::kSmooth, SurfaceRule::kVoxels}) {
       ExtractedSurfaces extracted =
