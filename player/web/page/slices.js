@@ -90,6 +90,7 @@ class Slices {
       image.data[at + 3] = 255;
     });
     context.putImageData(image, 0, 0);
+    canvas.dataset.index = String(this.#index(axis));
     const [x, y] = this.#sides(axis).map(side => this.#index(side) + 0.5);
     context.fillStyle = '#ffe60080';
     context.fillRect(x - 0.5, 0, 1, canvas.height);
