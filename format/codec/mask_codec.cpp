@@ -179,7 +179,7 @@ class MaskWindow {
 
   void next_slice() {
     std::rotate(around_.begin(), around_.end() - 1, around_.end());
-    std::ranges::fill(around_[0], std::uint8_t{0});
+    std::fill(around_[0].begin(), around_[0].end(), std::uint8_t{0});
   }
 
   /// Calls code(context, n) for every voxel n of a scanline. It returns true for covered voxels.

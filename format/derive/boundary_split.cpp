@@ -144,7 +144,7 @@ void add_run(std::uint64_t scanline, std::int64_t begin, std::int64_t end, Class
 
 ClassRuns join_runs(std::span<const Run> a, std::span<const Run> b) {
   ClassRuns both(a.size() + b.size());
-  std::ranges::merge(a, b, both.begin());
+  std::merge(a.begin(), a.end(), b.begin(), b.end(), both.begin());
   std::size_t last = 0;
   for (std::size_t n = 1; n < both.size(); ++n) {
     Run& before = both[last];

@@ -8,18 +8,6 @@
 #include "format/result_macros.h"
 
 namespace splatlas {
-namespace {
-
-/// The last structure that holds the voxels of a class, as a number; 0 for none, and for too large ones.
-std::uint16_t label_of(std::span<const Membership> members) {
-  std::uint16_t label = 0;
-  for (const Membership& member : members) {
-    if (member.holds() && member.structure < 0xffff) label = static_cast<std::uint16_t>(member.structure + 1);
-  }
-  return label;
-}
-
-}  // namespace
 
 PageSlices::PageSlices(std::shared_ptr<const Atlas> atlas)
     : atlas_(std::move(atlas)), decoded_(atlas_->classes().size()) {}
@@ -30,7 +18,10 @@ Result<void> PageSlices::decode(ClassId c) {
   greys_.resize(labels_.size());
   SPLATLAS_ASSIGN_OR_RETURN(const ClassRuns runs, atlas_->read_runs(c, Axis::kZ));
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> values, atlas_->read_values(c));
-  const std::uint16_t label = label_of(atlas_->classes().members(c));
+  std::uint16_t label = 0;  // of the last structure that holds the voxels
+  for (const Membership& member : atlas_->classes().members(c)) {
+    if (member.holds() && member.structure < 0xffff) label = static_cast<std::uint16_t>(member.structure + 1);
+  }
   const double low = atlas_->display().window_low, high = atlas_->display().window_high;
   visit_voxel_type(atlas_->value_type(), [&](auto tag) {
     const auto* value = reinterpret_cast<const decltype(tag)*>(values.data());

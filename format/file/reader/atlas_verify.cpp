@@ -71,8 +71,9 @@ class RunVerifier {
       pace.step();
       return a < b;
     });
-    const auto overlap = std::ranges::adjacent_find(
-        spans_, [](const Span& a, const Span& b) { return a.scanline == b.scanline && a.end > b.start; });
+    const auto overlap = std::adjacent_find(spans_.begin(), spans_.end(), [](const Span& a, const Span& b) {
+      return a.scanline == b.scanline && a.end > b.start;
+    });
     if (overlap == spans_.end()) return {};
     return invalid("runs_z of classes {} and {} overlap in scanline {}", overlap->of, (overlap + 1)->of,
                    overlap->scanline);

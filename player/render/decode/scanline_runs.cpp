@@ -191,7 +191,7 @@ std::span<const std::int64_t> ScanlineRuns::occupied(std::int64_t first, std::in
 /// Adds the slices that are missing.
 void ScanlineRuns::make_room(std::span<const std::int64_t> numbers) {
   std::vector<std::int64_t> all;
-  std::ranges::set_union(numbers_, numbers, std::back_inserter(all));
+  std::set_union(numbers_.begin(), numbers_.end(), numbers.begin(), numbers.end(), std::back_inserter(all));
   if (all.size() == numbers_.size()) return;
   std::vector<std::vector<ClassRun>> slices(all.size());
   for (std::size_t n = 0, before = 0; before < numbers_.size(); ++n) {

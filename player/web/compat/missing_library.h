@@ -108,10 +108,6 @@ SPLATLAS_ORDER(max_element)
 SPLATLAS_ORDER(min_element)
 #undef SPLATLAS_ORDER
 
-template <typename Range, typename Compare = equal_to, typename Projection = identity>
-constexpr auto adjacent_find(Range&& range, Compare comp = {}, Projection projection = {}) {
-  return std::adjacent_find(std::begin(range), std::end(range), ranges::projected_order(comp, projection));
-}
 template <typename Range>
 constexpr auto max(const Range& range) {
   return *std::max_element(std::begin(range), std::end(range));
@@ -138,24 +134,12 @@ constexpr Out copy(Range&& range, Out out) {
   return std::copy(std::begin(range), std::end(range), out);
 }
 template <typename Range, typename T>
-constexpr void fill(Range&& range, const T& value) {
-  std::fill(std::begin(range), std::end(range), value);
-}
-template <typename Range, typename T>
 constexpr void replace(Range&& range, const T& from, const T& to) {
   std::replace(std::begin(range), std::end(range), from, to);
 }
 template <typename Range, typename Out, typename Change>
 constexpr Out transform(Range&& range, Out out, Change change) {
   return std::transform(std::begin(range), std::end(range), out, [&](auto&& a) { return invoke(change, a); });
-}
-template <typename A, typename B, typename Out>
-constexpr Out merge(const A& a, const B& b, Out out) {
-  return std::merge(std::begin(a), std::end(a), std::begin(b), std::end(b), out);
-}
-template <typename A, typename B, typename Out>
-constexpr Out set_union(const A& a, const B& b, Out out) {
-  return std::set_union(std::begin(a), std::end(a), std::begin(b), std::end(b), out);
 }
 
 }  // namespace ranges
