@@ -319,7 +319,8 @@ void fit_ids(const Picture& picture, IdImage& ids) {
     float densest = 0;
     for (int y = std::max(row - 1, 0); y <= std::min(row + 1, height - 1); ++y) {
       for (int x = std::max(column - 1, 0); x <= std::min(column + 1, width - 1); ++x) {
-        const auto other = static_cast<std::size_t>(y * width + x);
+        const std::size_t other =
+            static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
         if (ids.numbers[other] == 0 || opacity_of(other) <= densest) continue;
         densest = opacity_of(other);
         number = ids.numbers[other];

@@ -108,9 +108,10 @@ void TileRasterizer::pass_sample_faces() {
   const auto slots = static_cast<std::uint32_t>(pattern_.size());
   const auto columns = static_cast<std::size_t>(scene_->size.width);
   for_each_pixel([&](std::size_t pixel, std::uint32_t first_slot) {
+    const std::size_t row = pixel / columns, column = pixel % columns;
     for (std::uint32_t n = 0; n < slots; ++n) {
-      const double x = static_cast<double>(pixel % columns) + pattern_[n].right();
-      const double y = static_cast<double>(pixel / columns) + pattern_[n].down();
+      const double x = static_cast<double>(column) + pattern_[n].right();
+      const double y = static_cast<double>(row) + pattern_[n].down();
       const RayFaces& faces = faces_.emplace_back(scene_->sample_faces->through(x, y));
       if (faces.front.rgba[3] >= 1) hiding_[first_slot + n] = -kNothingHidden;
       layers_.pass_face(first_slot + n, faces.front);
