@@ -206,7 +206,7 @@ Result<Page> PageRenderer::render(Renderer& renderer, const Camera& camera, cons
                                   bool fitted) {
   const PageOptions& options = impl_->options;
   impl_->title = printed_lines(options.caption.value_or(renderer.atlas().provenance().title));
-  std::ranges::replace(impl_->title, '\n', ' ');
+  std::replace(impl_->title.begin(), impl_->title.end(), '\n', ' ');
   double decode_ms = 0;
   Page page;
   page.camera = camera;

@@ -64,8 +64,7 @@ class PageRenderer {
   /// annotations leave: for labels and a legend, a small draft finds the visible structures first. The
   /// camera's zoom multiplies that of the fit; its centre, if any, replaces the fit's. Adds to the notes of
   /// the annotations what the page lacks. Errors of Renderer::fit() and render(); kUsage if the product of
-  /// the zooms is beyond the limits or the picture too small for its annotations; kFailed for fonts and
-  /// modules.
+  /// the zooms is beyond the limits or the picture too small for its annotations; kFailed for fonts, modules.
   [[nodiscard]] Result<Page> render(Renderer& renderer, const Camera& camera,
                                     const RenderControl& control = {}, bool fitted = false);
   /// The bytes of the file. Draws the annotations into the picture of `page`, except in .svg and .pdf, which

@@ -1,6 +1,5 @@
 #include "player/renderer.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "format/io/memory_limit.h"

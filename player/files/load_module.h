@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <future>
-#include <memory>
 
 #include "format/result.h"
 #include "player/files/text_module.h"

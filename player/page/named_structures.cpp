@@ -14,7 +14,7 @@ constexpr std::size_t kMaxTextBytes = 4000, kMaxNameBytes = 800;
 
 std::string printed_name(const Structure& structure) {
   std::string name = structure.name.empty() ? structure.id : structure.name;
-  std::ranges::replace(name, '_', ' ');
+  std::replace(name.begin(), name.end(), '_', ' ');
   return printable(shortened(name, kMaxNameBytes));
 }
 
@@ -26,7 +26,7 @@ std::string printed_line(std::string_view text) {
 
 std::string printed_lines(std::string_view text) {
   std::string lines = printable_lines(shortened(text, kMaxTextBytes));
-  std::ranges::replace(lines, '\t', ' ');
+  std::replace(lines.begin(), lines.end(), '\t', ' ');
   return lines;
 }
 

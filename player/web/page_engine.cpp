@@ -129,8 +129,7 @@ Json json_of(const AnnotationLayer& layer, double label_size) {
   return json;
 }
 
-/// Places names on a frame of this camera. kNotFound for unknown names; kUsage for a picture that is too
-/// small.
+/// Places names on a frame of this camera. kNotFound for unknown names; kUsage: too small a picture.
 Result<Json> page_labels(const Json& request, const Frame& frame, const Camera& camera,
                          const Renderer& renderer) {
   SPLATLAS_ASSIGN_OR_RETURN(const View view, view_of(camera, frame.picture.size, renderer.atlas().display()));
@@ -293,7 +292,7 @@ struct PageEngine::Call {
 
   Result<Json> slice() const {
     SPLATLAS_ASSIGN_OR_RETURN(const Renderer* const renderer, this->renderer());
-    const TaskControl task({}, {}, &renderer->atlas().work_budget());
+    const TaskControl task(control.stop, {}, &renderer->atlas().work_budget());
     return engine.slices_->slice(request.at("axis").get<int>(), request.at("index").get<std::int64_t>());
   }
 

@@ -1,7 +1,6 @@
 #include "player/web/page_files.h"
 
-// Defines NAME(), the bytes of one file, or of several with SPLATLAS_AND between them. The assembler includes
-// them.
+// Defines NAME(), the bytes of files, with SPLATLAS_AND between them, which the assembler includes.
 #define SPLATLAS_AND "\"\n.incbin \"" SPLATLAS_WEB_FOLDER
 #define SPLATLAS_EMBED(name, path)                                                       \
   __asm__(                                                                               \

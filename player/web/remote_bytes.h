@@ -18,8 +18,7 @@ struct ByteRange {
   friend bool operator==(const ByteRange&, const ByteRange&) = default;
 };
 
-/// Pieces of a file on a server. What a read misses is noted; someone fetches it, gives it, and reads again.
-/// Thread-safe.
+/// Pieces of a file on a server. What a read misses is noted; someone gives it, and reads again. Thread-safe.
 class RemoteBytes {
  public:
   /// Fills `to` from `offset`, out of one piece. kFailed if no piece holds the range.

@@ -37,8 +37,7 @@ WebModule& module() {
 
 using namespace splatlas;  // NOLINT(google-build-using-namespace): C functions stand in no namespace
 
-/// Makes room for the input of the next call: bytes, and behind them the request in UTF-8. Null when out of
-/// memory.
+/// Makes room for the input of the next call: bytes, then the request in UTF-8. Null: out of memory.
 SPLATLAS_WEB(splatlas_input) std::uint8_t* splatlas_input(std::uint32_t bytes) try {
   module().input.resize(bytes);
   return reinterpret_cast<std::uint8_t*>(module().input.data());

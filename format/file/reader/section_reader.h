@@ -19,8 +19,7 @@
 
 namespace splatlas {
 
-/// Reads, checks and decodes streams by section and index. Counts bytes. Thread-safe. Refers to its
-/// arguments.
+/// Reads, checks and decodes streams by section and index. Counts bytes. Thread-safe. Keeps references.
 class SectionReader {
  public:
   SectionReader(const InputFile& file, const Directory& directory, const FileLayout& layout);

@@ -137,7 +137,7 @@ std::vector<std::uint32_t> sorted_triangles(const SurfaceMesh& mesh) {
     from.swap(to);
   }
   std::vector<std::uint32_t> numbers(from.size());
-  std::ranges::transform(from, numbers.begin(), &Placed::triangle);
+  std::transform(from.begin(), from.end(), numbers.begin(), [](const Placed& of) { return of.triangle; });
   return numbers;
 }
 

@@ -118,10 +118,9 @@ class FrameRenderer {
   [[nodiscard]] const FaceLayer* faces() const { return buffers_.faces.empty() ? nullptr : &buffers_.faces; }
 
   [[nodiscard]] virtual Result<RasterScene> raster_scene_of_view() const = 0;
-  /// Prepares the frame's volume, or renders it into the picture, a ray per pixel. kLimit for too large a
-  /// sheet.
+  /// Prepares the frame's volume, or renders it into the picture, a ray per pixel. kLimit: too large a sheet.
   [[nodiscard]] virtual Result<void> begin_volume(Picture& picture) = 0;
-  /// Composites the fragments of a region with the segments of the volume between, and finds ids if asked
+  /// Composites the fragments of a region with the segments of the volume between, and finds the ids asked
   /// for.
   [[nodiscard]] virtual Result<void> resolve(const PixelBox& region, Picture& picture) = 0;
   [[nodiscard]] bool needs_depths() const;

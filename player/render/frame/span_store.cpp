@@ -64,8 +64,7 @@ void light_kept_spans(SpanModel& model, std::span<const float> factors, std::spa
   });
 }
 
-/// Time to build spans, per voxel and thread, and the longest that a draft waits for those that blocks can
-/// stand in for.
+/// Time to build spans, per voxel and thread, and the longest that a draft waits if there are blocks.
 constexpr double kBuildMsPerVoxel = 40e-6, kMaxBuildMs = 130;
 
 /// Voxels of a volume with means in the file.
@@ -153,7 +152,7 @@ SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& vie
     stats.traversal = watch.lap();
     stats.select_ms += stats.traversal.wall_ms;
   };
-  blocks_.reset();
+  if (!stats.strips) blocks_.reset();
   if (detail.level > 0) {
     if (!means_ || !means_->fit(axis, detail.level, shade)) {
       means_.reset();

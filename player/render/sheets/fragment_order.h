@@ -53,8 +53,8 @@ class FragmentOrder {
   /// Place of fragments without a neighbouring row of the sheet, with no volume in front of them.
   static constexpr std::uint32_t kNowhere = std::numeric_limits<std::uint32_t>::max();
 
-  /// Sorts the fragments of a frame. Keeps its memory from frame to frame. Cost: linear in fragments and rows
-  /// of the sheet.
+  /// Sorts the fragments of a frame. Keeps its memory from frame to frame. Linear in fragments and rows of
+  /// the sheet.
   void build(const FragmentList& fragments, const Shear& shear, const SheetWindow& window,
              const PictureSize& size, const Grid& grid, ThreadPool& pool);
 

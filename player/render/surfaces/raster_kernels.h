@@ -1,7 +1,6 @@
 // Kernels of the rasteriser (hot loops). Arrays are readable and writable for kRasterPadding elements more.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 

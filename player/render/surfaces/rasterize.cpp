@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <utility>
 
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"

@@ -1,5 +1,4 @@
-// Parts of C++20's library that the sources use and libc++ 13 does not have. Included ahead of every source
-// of the module.
+// Parts of C++20's library that the sources use and libc++ 13 does not have. Included ahead of all sources.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +6,6 @@
 #include <charconv>
 #include <compare>
 #include <cstdlib>
-#include <cstring>
 #include <functional>
 #include <iterator>
 #include <limits>
@@ -132,14 +130,6 @@ constexpr auto upper_bound(Range&& range, const T& value, Compare comp = {}, Pro
 template <typename Range, typename Out>
 constexpr Out copy(Range&& range, Out out) {
   return std::copy(std::begin(range), std::end(range), out);
-}
-template <typename Range, typename T>
-constexpr void replace(Range&& range, const T& from, const T& to) {
-  std::replace(std::begin(range), std::end(range), from, to);
-}
-template <typename Range, typename Out, typename Change>
-constexpr Out transform(Range&& range, Out out, Change change) {
-  return std::transform(std::begin(range), std::end(range), out, [&](auto&& a) { return invoke(change, a); });
 }
 
 }  // namespace ranges

@@ -161,19 +161,10 @@ class Engine {
     this.#workers[0].postMessage({type: 'pick', serial: this.#serial, state: this.#state, pick});
   }
 
-  /** Asks for the name at (u, v) of the latest picture. */
-  hover(u, v) {
-    this.#workers[0].postMessage({type: 'hover', serial: this.#serial, u, v});
-  }
-
-  /** Asks where a structure is in the latest picture. */
-  light(structure) {
-    this.#workers[0].postMessage({type: 'light', serial: this.#serial, structure});
-  }
-
-  /** Asks for slices [axis, index]. */
-  slice(wanted) {
-    this.#workers[0].postMessage({type: 'slices', serial: this.#serial, wanted});
+  /** Asks for the name at {u, v} of the latest picture ('hover'), where a {structure} is in it ('light'), or for slices,
+   * {wanted: [[axis, index], ...]} ('slices'). */
+  ask(type, request) {
+    this.#workers[0].postMessage({type, serial: this.#serial, ...request});
   }
 
   /** Asks for names on the finished picture. */

@@ -255,10 +255,11 @@ class Model {
     this.change({base: '', edits: []}, camera);
   }
 
-  /** The structures with this name or id, where `*` is any text; without any, those with this term. */
+  /** The structures with this name or id, or one that begins as a text with `*`; without any, those with this term. */
   named(text) {
-    const pattern = new RegExp(`^${text.split('*').map(part => part.replace(/[^\w\s]/g, '\\$&')).join('.*')}$`, 'i');
-    const having = texts => [...this.structures.keys()].filter(index => texts(this.structures[index]).some(value => pattern.test(value)));
+    const [first, rest] = text.toLowerCase().split('*');
+    const fits = value => (rest === undefined ? value === first : value.startsWith(first));
+    const having = texts => [...this.structures.keys()].filter(index => texts(this.structures[index]).some(value => fits(value.toLowerCase())));
     const found = having(({name, id}) => [name, id]);
     return found.length > 0 ? found : having(({terms = []}) => terms.map(({value}) => value));
   }

@@ -18,7 +18,7 @@ class Page {
     drawn: drawn => this.#takeDrawn(drawn),
     picked: (picked, {purpose, u, v}) => this.#takePick(picked, purpose, u, v),
     hovered: picked => this.#pointer.show(this.#quiz.isAsking() ? null : picked),
-    labelled: layer => { if (layer) this.#names.show(layer, this.#pictures.width, this.#pictures.height); },
+    labelled: layer => { if (layer && !this.#quiz.isAsking()) this.#names.show(layer, this.#pictures.width, this.#pictures.height); },
     lit: lightUp,
     sliced: slices => this.#slices.take(slices),
     told: (text, of) => this.#tell(of === 'label' && /too small/.test(text) ? 'There is no room for names of this size.' : text),
@@ -36,7 +36,7 @@ class Page {
     leave: () => this.#pointer.hide(),
     resized: () => { if (!matchMedia('print').matches) this.#show(); },
   });
-  #pointer = new PointerName((u, v) => this.#engine.hover(u, v));
+  #pointer = new PointerName((u, v) => this.#engine.ask('hover', {u, v}));
   #menu = null;
   #lesson = null;
   #quiz = null;
@@ -83,18 +83,19 @@ class Page {
     });
     this.#scenes = new Scenes(info.scenes, n => this.#showScene(n), () => this.#answer());
     this.#slices = new Slices(model, {
-      ask: wanted => this.#engine.slice(wanted), named: index => this.#name(index),
+      ask: wanted => this.#engine.ask('slices', {wanted}), named: index => { if (!this.#quiz.takes(index)) this.#name(index); },
       moved: (mm, axis) => {
         this.#cuts.move(mm, axis, camera());
         changed();
       },
     });
     this.#cuts = new Cuts(model, camera, changed, mm => this.#slices.show(mm));
-    byId('tab-cutting').addEventListener('click', () => this.#cuts.update());
+    for (const event of ['click', 'focus']) byId('tab-cutting').addEventListener(event, () => this.#cuts.update());
     this.#lesson = new Lesson(model, {
       record: () => this.#recorded(), show: n => this.#showScene(n),
       list: () => {
         this.#scenes.list();
+        this.#quiz.forget();
         this.#lastGood = {state: model.state, camera: this.#stage.camera, steps: 0};
         this.#mark();
       },
@@ -106,7 +107,10 @@ class Page {
         this.#edit(at => model.ghostOthers(index, at, []));
         this.#fitSelection();
       },
-      answered: () => this.#labelPicture(),
+      changed: () => {
+        this.#name(null);
+        this.#labelPicture();
+      },
     });
     this.#startViews(info.views);
     this.#startSearch();
@@ -282,7 +286,7 @@ class Page {
 
   #choose(index) {
     this.#inspector.choose(index);
-    if (this.#model.mode(index) !== 'off') this.#engine.light(index);
+    if (this.#model.mode(index) !== 'off') this.#engine.ask('light', {structure: index});
   }
 
   #takePick(picked, purpose, u, v) {
@@ -329,7 +333,7 @@ class Page {
     clearTimeout(this.#messageTimer);
     this.#endWait();
     document.body.dataset.stopped = 'true';
-    for (const part of ['canvas', 'views', 'scenes', 'structures', 'cutting', 'quiz', 'display', 'record', 'scene-editor', 'undo', 'redo',
+    for (const part of ['canvas', 'views', 'scenes', 'structures', 'cutting', 'quiz-find', 'quiz-name', 'quiz-lesson', 'quiz-next', 'display', 'record', 'scene-editor', 'undo', 'redo',
       'show-all', 'hide-all', 'large']) byId(part).inert = true;
   }
 
@@ -423,20 +427,9 @@ class Page {
     byId('copy-link').addEventListener('click', async () => {
       if (this.#stage.camera.fit) return this.#tell('The picture is under way. Copy its link when it is there.');
       if (!this.#writeLink()) return this.#tell('The selection is too long for a link. Copy its text, or a scene.');
-      return this.#copy(location.href, 'The link is copied.', 'The link is in the address bar.');
+      const copied = await navigator.clipboard?.writeText(location.href).then(() => true, () => false);
+      return this.#tell(copied ? 'The link is copied.' : 'The link is in the address bar.');
     });
-  }
-
-  /** Puts a text into the clipboard, and tells so. @returns {boolean} false where the browser does not let it */
-  async #copy(text, done, otherwise) {
-    try {
-      await navigator.clipboard.writeText(text);
-      this.#tell(done);
-      return true;
-    } catch {
-      this.#tell(otherwise);
-      return false;
-    }
   }
 
   /** The picture on the screen as a scene, with round numbers, which the screen then shows. */

@@ -132,12 +132,12 @@ class Scenes {
   }
 }
 
-/** Whole mm, [first, last] of each axis of LPS, between which the voxels of a grid lie. */
+/** The mm, [first, last] of each axis of LPS, between which the voxels of a grid lie. */
 function boundsOf({size, spacing_mm: spacing, origin_lps_mm: origin, direction_lps: direction}) {
   return [0, 1, 2].map(axis => {
     const ends = size.map((count, a) => [-0.5, count - 0.5].map(at => direction[3 * axis + a] * spacing[a] * at));
     const sum = choose => ends.reduce((total, each) => total + choose(...each), origin[axis]);
-    return [Math.floor(sum(Math.min)), Math.ceil(sum(Math.max))];
+    return [sum(Math.min), sum(Math.max)];
   });
 }
 
@@ -153,10 +153,11 @@ class Cuts {
     const bounds = boundsOf(model.info.storage_grid);
     const axes = [['Right to left', 'left', 'right'], ['Front to back', 'posterior', 'anterior'],
       ['Bottom to top', 'superior', 'inferior']];
+    const step = Math.min(0.5, ...model.info.storage_grid.spacing_mm);
     this.#rows = axes.map(([name, high, low], axis) => {
-      const [first, last] = bounds[axis];
+      const [first, last] = [Math.floor(bounds[axis][0]), Math.ceil(bounds[axis][1])];
       const slider = element('input',
-        {type: 'range', min: first, max: last, step: 0.5, 'aria-label': `Cut, ${name}`});
+        {type: 'range', min: first, max: last, step, 'aria-label': `Cut, ${name}`});
       const side = element('select', {'aria-label': `Side to remove, ${name}`},
         element('option', {value: ''}, 'no cut'), element('option', {value: 'high'}, `remove ${high}`),
         element('option', {value: 'low'}, `remove ${low}`));
@@ -219,8 +220,9 @@ function startTabs() {
     }
   };
   tabs.forEach((tab, n) => {
-    tab.addEventListener('click', () => {
-      document.body.toggleAttribute('data-sheet', !document.body.hasAttribute('data-sheet') || tab.getAttribute('aria-selected') !== 'true');
+    tab.addEventListener('click', event => {
+      const isShown = document.body.hasAttribute('data-sheet') && tab.getAttribute('aria-selected') === 'true';
+      document.body.toggleAttribute('data-sheet', !isShown || !event.isTrusted);
       choose(tab);
     });
     tab.addEventListener('keydown', event => {

@@ -4,13 +4,15 @@
 const kNames = 4;  // to choose from
 
 /** Asks to find or to name what is shown, or the questions of scenes that have labels. Counts and saves the answers.
- * Calls the handlers {state(), restore(state), show(n), light(index): alone within the hulls of the others, answered()}. */
+ * Calls the handlers {state(), restore(state), show(n), light(index): alone within the hulls of the others, changed(): asked
+ * or answered}. */
 class Quiz {
   #model;
   #handlers;
   #before = null;    // state of the page; null: no quiz
   #question = null;  // {kind, text, asked, right: indices, since}; null: answered
   #left = [];        // questions
+  #pool = [];        // structures that were shown at the start
   #rows = [];        // [kind, asked, answered, is right, seconds]
 
   constructor(model, handlers) {
@@ -20,6 +22,15 @@ class Quiz {
     byId('quiz-next').addEventListener('click', () => this.#next());
     byId('quiz-end').addEventListener('click', () => this.#end());
     byId('quiz-save').addEventListener('click', () => download('quiz.csv', new Blob([Quiz.csv(this.#rows)], {type: 'text/csv'})));
+    this.forget();
+  }
+
+  /** Ends without a picture: the scenes are others. */
+  forget() {
+    this.#before = this.#question = null;
+    this.#left = [];
+    this.#tell('');
+    byId('quiz-names').replaceChildren();
     byId('quiz-lesson').hidden = this.#ofLesson().length === 0;
   }
 
@@ -35,11 +46,11 @@ class Quiz {
     return true;
   }
 
-  /** The structures that are drawn, but for ghosts, in any order. */
+  /** The structures that are drawn, but for ghosts. */
   #shown() {
     const {drawn, structures} = this.#model;
-    return Quiz.shuffled([...structures.keys()].filter(index =>
-      !['off', 'ghost'].includes(drawn[index][0]) && this.#model.children(index).length === 0));
+    return [...structures.keys()].filter(index =>
+      !['off', 'ghost'].includes(drawn[index][0]) && this.#model.children(index).length === 0);
   }
 
   #ofLesson() {
@@ -50,10 +61,12 @@ class Quiz {
   }
 
   #start(kind) {
-    if (this.#before) this.#handlers.restore(this.#before);
-    else this.#rows = [];
-    this.#before ??= this.#handlers.state();
-    this.#left = kind === 'lesson' ? this.#ofLesson() : this.#shown().map(index => {
+    if (this.#before) {
+      this.#handlers.restore(this.#before);
+    } else {
+      [this.#rows, this.#before, this.#pool] = [[], this.#handlers.state(), this.#shown()];
+    }
+    this.#left = kind === 'lesson' ? this.#ofLesson() : Quiz.shuffled(this.#pool).map(index => {
       const asked = this.#model.structures[index].name;
       return {kind, text: kind === 'find' ? `Click: ${asked}` : 'What is this?', asked, right: [index]};
     });
@@ -68,6 +81,7 @@ class Quiz {
     else if (question.kind === 'find' && this.#rows.length > 0) this.#handlers.restore(this.#before);
     if (question.kind === 'name') this.#offer(question.right[0]);
     question.since = performance.now();
+    this.#handlers.changed();
     return this.#tell(question.text);
   }
 
@@ -77,7 +91,7 @@ class Quiz {
     const near = [];
     for (let [parent] = this.#model.parents[index]; near.length < kNames - 1 && parent !== undefined; [parent] = this.#model.parents[parent])
       near.push(...Quiz.shuffled(this.#model.leaves(parent)).filter(leaf => leaf !== index && !near.includes(leaf)));
-    near.push(...this.#shown().filter(leaf => leaf !== index && !near.includes(leaf)));
+    near.push(...Quiz.shuffled(this.#pool).filter(leaf => leaf !== index && !near.includes(leaf)));
     byId('quiz-names').replaceChildren(...Quiz.shuffled([index, ...near.slice(0, kNames - 1)]).map(each => {
       const button = element('button', {}, nameElement(this.#model.structures[each].name));
       button.addEventListener('click', () => { if (this.isAsking()) this.#answer(each); });
@@ -93,15 +107,12 @@ class Quiz {
     this.#rows.push([kind, asked, name, isRight ? 1 : 0, ((performance.now() - since) / 1000).toFixed(1)]);
     this.#tell(isRight ? `Right: ${name}.` : kind === 'name' ? `No, it is ${asked}.` : `No, that is ${name}.`);
     if (!isRight && kind !== 'name') this.#handlers.light(right[0]);
-    this.#handlers.answered();
+    this.#handlers.changed();
   }
 
   #end() {
-    if (this.#before) this.#handlers.restore(this.#before);
-    this.#before = this.#question = null;
-    this.#left = [];
-    this.#tell('');
-    byId('quiz-names').replaceChildren();
+    this.#handlers.restore(this.#before);
+    this.forget();
   }
 
   #tell(text) {
@@ -118,10 +129,6 @@ class Quiz {
   }
 
   static shuffled(values) {
-    for (let n = values.length - 1; n > 0; --n) {
-      const other = Math.floor(Math.random() * (n + 1));
-      [values[n], values[other]] = [values[other], values[n]];
-    }
-    return values;
+    return values.map(value => [Math.random(), value]).sort(([a], [b]) => a - b).map(([, value]) => value);
   }
 }

@@ -20,15 +20,18 @@ class Slices {
     this.#handlers = handlers;
     this.#size = model.info.storage_grid.size;
     this.#bounds = boundsOf(model.info.storage_grid);
+    const isOblique = model.info.storage_grid.direction_lps.some((value, n) => n % 4 !== 0 && Math.abs(value) > 1e-3);
+    byId('slice-box').hidden = isOblique;  // cuts would not lie along the slices
     this.#canvases = ['Right and left', 'Front and back', 'Bottom and top'].map((name, axis) => {
       const canvas = element('canvas', {role: 'img', 'aria-label': `Slice between ${name.toLowerCase()}`});
       const [along, across] = this.#sides(axis);
       [canvas.width, canvas.height] = [this.#size[along], this.#size[across]];
       const mm = [along, across].map(side => this.#bounds[side][1] - this.#bounds[side][0]);
       canvas.style.aspectRatio = mm.join('/');
-      canvas.addEventListener('pointerdown', event => this.#point(axis, event));
+      canvas.addEventListener('click', event => this.#point(axis, event));
       canvas.addEventListener('wheel', event => {
         event.preventDefault();
+        if (event.deltaY === 0) return;
         const step = (this.#bounds[axis][1] - this.#bounds[axis][0]) / this.#size[axis];
         this.#move(axis, {[axis]: this.#mm[axis] + Math.sign(event.deltaY) * step});
       }, {passive: false});
@@ -68,6 +71,7 @@ class Slices {
   }
 
   draw() {
+    if (byId('cutting').hidden) return;
     const colors = this.#model.structures.map((_, index) => {
       const [mode, , color] = this.#model.drawn[index];
       return mode === 'off' || mode === 'ghost' ? null : [1, 3, 5].map(at => parseInt(color.substr(at, 2), 16));

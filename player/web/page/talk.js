@@ -85,7 +85,7 @@ class Menu {
 
 /** Fades all for a moment but where the rows have a 1, as of Splatlas.light(). */
 function lightUp(rows) {
-  if (!rows.some(row => row.includes('1'))) return;
+  if (!rows.some(row => row.includes('1')) || matchMedia('(prefers-reduced-motion: reduce)').matches) return;
   const canvas = document.getElementById('light');
   [canvas.width, canvas.height] = [rows[0].length, rows.length];
   const context = canvas.getContext('2d');

@@ -1,11 +1,9 @@
 #include "player/web/server/http_server.h"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <exception>
-#include <optional>
 
 #include <arpa/inet.h>
 #include <microhttpd.h>

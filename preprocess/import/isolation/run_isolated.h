@@ -138,10 +138,10 @@ template <typename T>
   return archive.finish();
 }
 
-/// Runs `read`, which returns a Result<T>, in a child, and returns its result. T needs a function
-/// transfer(archive, T&). What libraries print is dropped: it may hold names of patients. Cost: about 1 ms,
-/// and two copies of the result. Call it while this process has one thread: locks that other threads hold
-/// stay locked in a child.
+/// Runs `read`, which returns a Result<T>, in a child, and returns its result. T is trivially copyable or has
+/// a function transfer(archive, T&). What libraries print is dropped: it may hold names of patients. Cost:
+/// about 1 ms, and two copies of the result. Call it while this process has one thread: locks that other
+/// threads hold stay locked in a child.
 template <typename T, typename Read>
 [[nodiscard]] Result<T> run_isolated(const std::filesystem::path& path, const Read& read) {
   const auto answer_with = [&](std::FILE* file) {

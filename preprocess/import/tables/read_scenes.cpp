@@ -5,7 +5,6 @@
 #include <set>
 #include <string>
 #include <string_view>
-#include <variant>
 
 #include <fmt/format.h>
 #include <toml++/toml.h>

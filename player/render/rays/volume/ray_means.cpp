@@ -1,5 +1,4 @@
 // Means of the voxels of a ray volume, for drafts.
-#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <optional>

@@ -29,8 +29,7 @@ constexpr std::size_t kSlicesAtOnce = 8;
 /// Limit for idle and fragmented arena memory, unless the model itself uses more.
 constexpr std::uint64_t kMaxUnusedBytes = std::uint64_t{64} << 20;
 
-/// Prefetches grey values of a following row, whose runs are usually similar; rows may be far apart in
-/// memory.
+/// Prefetches grey values of a following row, usually with similar runs; rows may be far apart in memory.
 void prefetch(std::size_t voxel, std::size_t voxels, const ClassCache& cache) {
   constexpr std::size_t kLine = 64;
   const std::size_t last = std::min((voxel + voxels) * cache.value_bytes(), cache.bytes_of_values());

@@ -12,8 +12,7 @@
 namespace splatlas {
 
 /// Writes the spans of one slice, row by row. The caller fills a scanline buffer of the blocks with added
-/// voxels; end_row() keeps those with positive extinction. Cost: linear in the added voxels and the rows of
-/// the slice.
+/// voxels; end_row() keeps those with positive extinction. Linear in the added voxels and the slice's rows.
 class SpanWriter {
  public:
   /// `out` is cleared and keeps its capacity.

@@ -19,8 +19,7 @@ struct SlicePair {
 
 /// Interpolates rows [first, last) of the grid; of each, only the blocks that `visible` names, unless it is
 /// empty. `mixed` is overwritten and keeps its capacity. Its spans are
-/// the union of both slices' spans, without voxel counts and shaded voxels. Cost: linear in the blocks of the
-/// rows.
+/// the union of both slices' spans, without voxel counts and shaded voxels. Linear in the blocks.
 void mix_slices(const SlicePair& pair, std::int64_t first, std::int64_t last, std::span<const Blocks> visible,
                 const SplatKernels& kernels, SliceSpans& mixed);
 
