@@ -137,14 +137,11 @@ SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& vie
   const bool fits = bytes <= max_bytes;
   const bool is_ready = fits && ((spans && spans->current(shade)) ||
                                  stored_means(source) * kBuildMsPerVoxel / pool.threads() <= kMaxBuildMs);
-  VolumeDetail detail;
-  if (may_be_rough(options)) {
-    detail = pace_.next(shear.voxel_pixels(), is_ready);
-    const bool has_means = means_ && means_->fit(axis, detail.level, shade);
-    if (detail.level > 0 && !has_means && !is_ready) {
-      if (require_blocks(source, pool)) return prepare_blocks(view, axis, shade, lighting, stats, pool);
-      detail = {};
-    }
+  VolumeDetail detail = may_be_rough(options) ? pace_.next(shear.voxel_pixels(), is_ready) : VolumeDetail{};
+  const bool has_means = means_ && means_->fit(axis, detail.level, shade);
+  if (detail.level > 0 && !has_means && !is_ready) {
+    if (require_blocks(source, pool)) return prepare_blocks(view, axis, shade, lighting, stats, pool);
+    detail = {};
   }
   stats.level = detail.level;
   stats.strips = detail.level == 0 && !fits;
@@ -154,7 +151,7 @@ SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& vie
   };
   if (!stats.strips) blocks_.reset();
   if (detail.level > 0) {
-    if (!means_ || !means_->fit(axis, detail.level, shade)) {
+    if (!has_means) {
       means_.reset();
       if (!spans) spans.emplace();
       spans->require(source, std::move(runs), pool);

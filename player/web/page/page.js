@@ -90,7 +90,7 @@ class Page {
       },
     });
     this.#cuts = new Cuts(model, camera, changed, mm => this.#slices.show(mm));
-    for (const event of ['click', 'focus']) byId('tab-cutting').addEventListener(event, () => this.#cuts.update());
+    byId('cutting').addEventListener('shown', () => this.#cuts.update());
     this.#lesson = new Lesson(model, {
       record: () => this.#recorded(), show: n => this.#showScene(n),
       list: () => {

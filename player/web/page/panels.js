@@ -218,6 +218,7 @@ function startTabs() {
       tab.tabIndex = tab === chosen ? 0 : -1;
       byId(tab.getAttribute('aria-controls')).hidden = tab !== chosen;
     }
+    byId(chosen.getAttribute('aria-controls')).dispatchEvent(new Event('shown'));
   };
   tabs.forEach((tab, n) => {
     tab.addEventListener('click', event => {
