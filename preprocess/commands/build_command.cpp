@@ -97,6 +97,8 @@ Result<Vec3> parse_spacing(std::string_view text) {
 void add_sources(CLI::App& build, SourceFiles& sources) {
   build.add_option("--labels", sources.labels, "label map, segmentation, or folder of masks")
       ->check(names_a_file());
+  build.add_flag("--as-labels", sources.as_labels,
+                 "round the values of a label map, even if they look like grey values");
   build.add_option("--volume", sources.volume, "grey values")->check(names_a_file());
   build
       .add_option("--component", sources.volume_options.component,
@@ -209,7 +211,7 @@ Result<void> run_build(const BuildRequest& request) {
   const std::string error = report ? std::string() : report.error().message;
   if (request.progress != ProgressMode::kJson) {
     for (const Note& note : notes.all()) {
-      if (error.find(note.message()) != std::string::npos) continue;  // --strict
+      if (note.kind.is_minor || error.find(note.message()) != std::string::npos) continue;  // --strict
       print_to(stderr, PrintableText("{}: {}\n", note.kind.is_warning ? "warning" : "note", note.message()));
     }
   }

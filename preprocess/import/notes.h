@@ -13,6 +13,7 @@ struct NoteKind {
   std::string id;  ///< stable, for --json: "empty-masks"
   std::string one, many;
   bool is_warning = false;  ///< may be a fault of the files: --strict stops at it
+  bool is_minor = false;    ///< for reports only: nobody misses it on a terminal
 
   friend bool operator==(const NoteKind&, const NoteKind&) = default;
 };

@@ -173,21 +173,26 @@ class SourceImporter {
     if (files_.resample == ResampleTo::kVolume && volume_) grid = volume_->grid;
     SPLATLAS_ASSIGN_OR_RETURN(
         ImportedLabels labels,
-        splatlas::import_labels(files_.labels, {.spacing_mm = files_.spacing_mm}, grid));
+        splatlas::import_labels(files_.labels,
+                                {.spacing_mm = files_.spacing_mm, .as_labels = files_.as_labels}, grid));
     note_resampled(labels);
     if (names_) {
       drop_groups(*names_, labels.structures);
       drop_lost(*names_, labels.resampled);
-      if (const auto fit = name_labels(labels, std::move(names_->names), files_.allow_empty); !fit) {
+      std::vector<TreeLine> hierarchy = std::move(names_->hierarchy);
+      const NamesFormat dialect = names_->dialect;
+      if (const auto fit = name_labels(labels, *std::exchange(names_, std::nullopt), files_.allow_empty);
+          !fit) {
         return bad_file(files_.names, "is read as {}, and no row fits {}: {}",
-                        std::ranges::find(names_formats(), names_->dialect, &NamesFormatInfo::format)->title,
+                        std::ranges::find(names_formats(), dialect, &NamesFormatInfo::format)->title,
                         files_.labels.string(), fit.error().message);
       }
-      if (files_.tree.empty() && !names_->hierarchy.empty()) {
-        model_.tree = std::move(names_->hierarchy);
+      if (files_.tree.empty() && !hierarchy.empty()) {
+        model_.tree = std::move(hierarchy);
         model_.tree_file = files_.names.string();
       }
     }
+    SPLATLAS_RETURN_IF_ERROR(check_doubt(labels));
     if (!files_.colors.empty()) {
       SPLATLAS_ASSIGN_OR_RETURN(const auto colors, read_color_table(files_.colors));
       for (SourceStructure& structure : labels.structures) {

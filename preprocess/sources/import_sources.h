@@ -37,6 +37,7 @@ struct SourceFiles {
   bool fit_grid = false;                      ///< widens the grid for surfaces that reach beyond it
   NamesFormat names_format = NamesFormat::kAuto;
   bool allow_empty = false;
+  bool as_labels = false;                  ///< overrules the doubt that labels are grey values
   ImageOptions volume_options;             ///< of `volume`
   std::optional<Vec3> spacing_mm;          ///< of stacks of pictures, for labels and volume
   ResampleTo resample = ResampleTo::kAsk;  ///< where labels and volume are on different grids

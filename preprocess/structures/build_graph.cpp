@@ -99,7 +99,12 @@ class NodePlacer {
   /// False if no node fits a structure.
   bool resolve() {
     for (std::size_t n = 0; n < lines_.size(); ++n) node_of_key_.emplace(lines_[n].node->key, n);
-    for (std::size_t n = 0; n < lines_.size(); ++n) resolve_node(n);
+    for (const bool has_label : {true, false}) {
+      for (std::size_t n = 0; n < lines_.size(); ++n) {
+        if (lines_[n].node->label.has_value() == has_label) find_source(n);
+      }
+    }
+    for (std::size_t n = 0; n < lines_.size(); ++n) find_parents(n);
     break_circles();
     bool fits = false;
     for (std::size_t n = 0; n < nodes_.size(); ++n) {
@@ -133,16 +138,22 @@ class NodePlacer {
   }
 
  private:
-  void resolve_node(std::size_t n) {
+  /// A node with a label takes its structure, one without by its name; then it is none that another node
+  /// takes: a group may have its member's name.
+  void find_source(std::size_t n) {
     const TreeNode& node = *lines_[n].node;
-    if (node.label) {
-      nodes_[n].source = sources_.labelled(*node.label).value_or(kNoStructure);
+    StructureIndex& source = nodes_[n].source;
+    if (node.label) source = sources_.labelled(*node.label).value_or(kNoStructure);
+    if (source == kNoStructure) {
       const auto named = sources_.named(node.name);
-      const bool is_unlabelled = named && !sources_.flat()[*named].label;  // a mask
-      if (nodes_[n].source == kNoStructure && is_unlabelled) nodes_[n].source = *named;
-    } else {
-      nodes_[n].source = sources_.named(node.name).value_or(kNoStructure);
+      const bool fits = named && (!node.label || !sources_.flat()[*named].label);  // a mask
+      if (fits && !taken_.contains(*named)) source = *named;
     }
+    if (source != kNoStructure) taken_.insert(source);
+  }
+
+  void find_parents(std::size_t n) {
+    const TreeNode& node = *lines_[n].node;
     for (const std::string& key : node.parents) {
       const auto parent = node_of_key_.find(key);
       if (parent == node_of_key_.end()) {
@@ -153,28 +164,39 @@ class NodePlacer {
     }
   }
 
-  /// Walks from every node to its ancestors, depth first, and drops edges back to the way walked.
+  /// Walks from every node to its descendants, depth first, and drops edges back to the way walked: the roots
+  /// first, then the nodes of circles in the order of the file.
   void break_circles() {
     enum class State : std::uint8_t { kNew, kOpen, kDone };
     std::vector<State> states(nodes_.size(), State::kNew);
-    std::vector<std::pair<std::size_t, std::size_t>> way;  // node, next parent
-    for (std::size_t start = 0; start < nodes_.size(); ++start) {
+    std::vector<std::vector<std::size_t>> children(nodes_.size());
+    for (std::size_t n = 0; n < nodes_.size(); ++n) {
+      for (const std::size_t parent : nodes_[n].parents) children[parent].push_back(n);
+    }
+    std::vector<std::pair<std::size_t, std::size_t>> way;  // node, next child
+    const auto walk_from = [&](std::size_t start) {
       if (states[start] == State::kNew) way.emplace_back(start, 0);
       while (!way.empty()) {
         auto& [n, next] = way.back();
         states[n] = State::kOpen;
-        std::vector<std::size_t>& parents = nodes_[n].parents;
-        if (next == parents.size()) {
+        if (next == children[n].size()) {
           states[n] = State::kDone;
           way.pop_back();
-        } else if (const std::size_t parent = parents[next]; states[parent] == State::kOpen) {
-          notes_.add(kCircles, fmt::format("{} of {}", in_quotes(lines_[parent].node->name),
-                                           in_quotes(lines_[n].node->name)));
-          parents.erase(parents.begin() + static_cast<std::ptrdiff_t>(next));
-        } else {
-          ++next;
-          if (states[parent] == State::kNew) way.emplace_back(parent, 0);
+          continue;
         }
+        const std::size_t child = children[n][next++];
+        if (states[child] == State::kOpen) {
+          notes_.add(kCircles, fmt::format("{} of {}", in_quotes(lines_[n].node->name),
+                                           in_quotes(lines_[child].node->name)));
+          std::erase(nodes_[child].parents, n);
+        } else if (states[child] == State::kNew) {
+          way.emplace_back(child, 0);
+        }
+      }
+    };
+    for (const bool is_root : {true, false}) {
+      for (std::size_t n = 0; n < nodes_.size(); ++n) {
+        if (nodes_[n].parents.empty() == is_root) walk_from(n);
       }
     }
   }
@@ -195,6 +217,7 @@ class NodePlacer {
   Notes& notes_;
   std::vector<Node> nodes_;
   std::unordered_map<std::string, std::size_t> node_of_key_;
+  std::unordered_set<StructureIndex> taken_;
 };
 
 /// Places structures by the nodes with their labels, or else their names. Nodes without a structure are

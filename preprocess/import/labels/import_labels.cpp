@@ -28,6 +28,8 @@ const NoteKind kGreyFiles{"grey-masks", "file holds grey values, is no mask, and
 const NoteKind kWithSeveralValues{"masks-with-several-values",
                                   "mask has several values; all but 0 are inside",
                                   "masks have several values; all but 0 are inside", true};
+const NoteKind kProbabilities{"probability-masks", "file holds probabilities; voxels from 0.5 on are inside",
+                              "files hold probabilities; voxels from 0.5 on are inside", false};
 /// The file's name without its ending, .nii.gz included.
 std::string structure_name(const fs::path& file) {
   fs::path name = file.filename();
@@ -41,7 +43,9 @@ std::vector<fs::path> list_images(const fs::path& folder) {
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const std::string ending = to_lower(entry->path().extension().string());
     const bool is_second_of_pair = ending == ".img";
-    if (entry->is_regular_file() && find_image_format(entry->path()) != nullptr && !is_second_of_pair)
+    const bool is_hidden = entry->path().filename().string().starts_with('.');
+    if (entry->is_regular_file() && find_image_format(entry->path()) != nullptr && !is_second_of_pair &&
+        !is_hidden)
       files.push_back(entry->path());
   }
   std::sort(files.begin(), files.end());
@@ -68,23 +72,35 @@ void sort_by_size(ImportedLabels& labels, const std::vector<std::uint64_t>& coun
   take_in_order(order, labels);
 }
 
-enum class MaskKind { kEmpty, kBinary, kSeveralValues, kGrey };
+enum class MaskKind { kEmpty, kBinary, kSeveralValues, kProbability, kGrey };
 
 MaskKind kind_of(const VoxelBuffer& voxels) {
   return visit_voxel_type(voxels.type, [&]<typename T>(T) {
     constexpr std::size_t kMostValues = 16;
     std::set<T> values;
-    T last = 0;
+    T last = 0, most = 0;
     const std::span all(voxels.as<T>(), voxels.bytes.size() / sizeof(T));
     for (const T value : all) {
       if (value == last || !(value > T(0) || value < T(0))) continue;
       if (value < T(0)) return MaskKind::kGrey;
-      values.insert(last = value);
-      if (values.size() > kMostValues) return MaskKind::kGrey;
+      most = std::max(most, last = value);
+      if (values.size() <= kMostValues) values.insert(value);
     }
-    return values.empty()       ? MaskKind::kEmpty
-           : values.size() == 1 ? MaskKind::kBinary
-                                : MaskKind::kSeveralValues;
+    if (values.empty()) return MaskKind::kEmpty;
+    if (most <= T(1) && values.size() > 1) return MaskKind::kProbability;
+    if (values.size() > kMostValues) return MaskKind::kGrey;
+    return values.size() == 1 ? MaskKind::kBinary : MaskKind::kSeveralValues;
+  });
+}
+
+/// 1 where a probability is 0.5 and above.
+VoxelBuffer likely(const VoxelBuffer& voxels) {
+  return visit_voxel_type(voxels.type, [&]<typename T>(T) {
+    const std::span all(voxels.as<T>(), voxels.bytes.size() / sizeof(T));
+    VoxelBuffer mask{VoxelType::kUInt8, std::vector<std::byte>(all.size())};
+    std::ranges::transform(all, mask.bytes.begin(),
+                           [](T value) { return std::byte(static_cast<double>(value) >= 0.5); });
+    return mask;
   });
 }
 
@@ -132,7 +148,12 @@ class MaskFolder {
   }
 
   Result<void> add(const fs::path& file, Image image) {
-    const MaskKind kind = kind_of(image.voxels);
+    MaskKind kind = kind_of(image.voxels);
+    if (kind == MaskKind::kProbability) {
+      labels_.notes.add(kProbabilities, file.filename().string());
+      image.voxels = likely(image.voxels);
+      kind = kind_of(image.voxels);
+    }
     if (kind == MaskKind::kGrey) {
       labels_.notes.add(kGreyFiles, file.filename().string());
       return {};
@@ -265,9 +286,9 @@ Result<ImportedLabels> read_segments(SourceImage image, const std::string& name)
   return result;
 }
 
-Result<ImportedLabels> read_structures(SourceImage image, const std::string& name) {
+Result<ImportedLabels> read_structures(SourceImage image, const std::string& name, bool as_labels) {
   return image.is_segmentation ? read_segments(std::move(image), name)
-                               : read_label_map(std::move(image), name);
+                               : read_label_map(std::move(image), name, as_labels);
 }
 
 /// [structure name and label]: its voxels.
@@ -311,12 +332,15 @@ Result<ImportedLabels> import_labels(const fs::path& path, const ImageOptions& o
                 check_same_grid(image.grid, path.string(), *grid, "the volume").error().message);
   }
   SourceImage moved = is_resampled ? resample_nearest(image, *grid) : SourceImage();
-  SPLATLAS_ASSIGN_OR_RETURN(ImportedLabels labels, read_structures(std::move(image), path.string()));
+  SPLATLAS_ASSIGN_OR_RETURN(ImportedLabels labels,
+                            read_structures(std::move(image), path.string(), options.as_labels));
   if (is_resampled) {
     moved.notes = {};
-    SPLATLAS_ASSIGN_OR_RETURN(ImportedLabels resampled, read_structures(std::move(moved), path.string()));
+    SPLATLAS_ASSIGN_OR_RETURN(ImportedLabels resampled,
+                              read_structures(std::move(moved), path.string(), options.as_labels));
     Notes notes = std::move(labels.notes);
     resampled.notes = std::move(notes);
+    resampled.doubt = labels.doubt;
     resampled.resampled = compare(labels, resampled);
     labels = std::move(resampled);
   }

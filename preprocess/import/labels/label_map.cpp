@@ -1,14 +1,17 @@
 #include "preprocess/import/labels/label_map.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <unordered_map>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "format/result_macros.h"
+#include "format/text/ascii_text.h"
 #include "preprocess/import/images/import_image.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/text_file.h"
@@ -22,11 +25,21 @@ const NoteKind kNoLabel{"no-labels", "label map holds background only", "label m
                         true};
 const NoteKind kUnnamed{"unnamed-labels", "label has no name and is called \"Label N\"",
                         "labels have no names and are called \"Label N\"", true};
-/// A table that names mostly other structures serves many images: then unused names are no fault.
-NoteKind unused_names(bool is_warning) {
-  return {"names-without-voxels", "name has no voxel and is dropped", "names have no voxels and are dropped",
-          is_warning};
-}
+const NoteKind kUnusedNames{"names-without-voxels", "name has no voxel and is dropped",
+                            "names have no voxels and are dropped", false};
+const NoteKind kCountsFromZero{"counts-from-0", "table seems to count from 0", "tables seem to count from 0",
+                               true};
+const NoteKind kDuplicateNames{"duplicate-names", "name stands for several labels",
+                               "names stand for several labels", false, true};
+const NoteKind kDuplicateColors{"duplicate-colors", "colour stands for several labels",
+                                "colours stand for several labels", false, true};
+const NoteKind kRounded{"rounded-labels", "file has its labels rounded", "files have their labels rounded",
+                        false};
+const NoteKind kNanVoxels{"nan-voxels", "file has voxels of NaN, which are background",
+                          "files have voxels of NaN, which are background", false};
+const NoteKind kInexact{
+    "inexact-labels", "file has labels above 16777216 as 32-bit floats, which may have merged them",
+    "files have labels above 16777216 as 32-bit floats, which may have merged them", true};
 const NoteKind kBadHeaderName{
     "bad-names", "name in an image file cannot be used; its label is called \"Label N\"",
     "names in an image file cannot be used; their labels are called \"Label N\"", true};
@@ -39,11 +52,13 @@ std::string shown(const SourceStructure& structure) {
   return structure.label ? fmt::format("{} ({})", structure.name, *structure.label) : structure.name;
 }
 
-/// The label of a voxel value; nothing for an invalid one.
+/// The nearest label to a voxel value, 0 for NaN; nothing for an invalid one.
 template <typename T>
 std::optional<std::uint32_t> label_of(T value) {
   if constexpr (std::is_floating_point_v<T>) {
-    if (!(value >= 0 && value < T(4294967296.0) && std::floor(value) == value)) return std::nullopt;
+    if (std::isnan(value)) return 0;
+    value = std::round(value);
+    if (!(value >= 0 && value < T(4294967296.0))) return std::nullopt;
   } else {
     if (value < 0) return std::nullopt;
   }
@@ -54,10 +69,12 @@ std::optional<std::uint32_t> label_of(T value) {
 struct FoundLabels {
   std::vector<std::uint32_t> labels;
   std::vector<SetId> voxels;
+  double most_rounded = 0;
+  std::size_t nans = 0;
 };
 
 template <typename T>
-Result<FoundLabels> find_labels(const VoxelBuffer& image, const std::string& name) {
+Result<FoundLabels> find_labels(const VoxelBuffer& image, const std::string& name, double tolerance) {
   FoundLabels found;
   const std::size_t count = image.bytes.size() / sizeof(T);
   found.voxels.resize(count);
@@ -67,25 +84,38 @@ Result<FoundLabels> find_labels(const VoxelBuffer& image, const std::string& nam
   for (std::size_t v = 0; v < count; ++v) {
     if (const T value = image.as<T>()[v]; !(value == last_value)) {
       const auto label = label_of(value);
-      if (!label) {
+      const double rounded = std::abs(static_cast<double>(value) - static_cast<double>(label.value_or(0)));
+      if (!label || rounded > tolerance) {
         return bad_file(
             name,
-            "holds the value {}, which is no label (0 to 4294967295, whole); grey values belong to --volume",
-            value);
+            "holds the value {}, which is no label (0 to 4294967295, whole); grey values belong to "
+            "--volume; {}",
+            value, label ? "--as-labels rounds them" : "labels cannot be negative or larger");
       }
+      found.most_rounded = std::max(found.most_rounded, rounded);  // NaN stays out
       const auto [entry, is_new] = set_of_label.emplace(*label, static_cast<SetId>(set_of_label.size()));
       if (is_new) found.labels.push_back(*label);
       last_set = entry->second;
       last_value = value;
     }
+    if constexpr (std::is_floating_point_v<T>) found.nans += std::isnan(image.as<T>()[v]) ? 1 : 0;
     found.voxels[v] = last_set;
   }
   return found;
 }
 
+void note_rounding(const FoundLabels& found, VoxelType type, const std::string& name, Notes& notes) {
+  if (found.most_rounded > 0)
+    notes.add(kRounded, fmt::format("{} (by at most {:.2g})", name, found.most_rounded));
+  if (found.nans > 0) notes.add(kNanVoxels, fmt::format("{} ({})", name, found.nans));
+  constexpr std::uint32_t kMostExact = 1u << 24;
+  const bool is_large = !found.labels.empty() && std::ranges::max(found.labels) > kMostExact;
+  if (type == VoxelType::kFloat32 && is_large) notes.add(kInexact, name);
+}
+
 /// Grey values: neighbours along a row mostly differ, or values have few voxels each. Neither holds for label
 /// maps, even with voxels of 8 mm.
-Result<void> check_no_grey(const FoundLabels& found, const Index3& size, const std::string& name) {
+std::string doubt_about(const FoundLabels& found, const Index3& size) {
   constexpr std::size_t kMinValues = 64;
   constexpr double kMaxEqual = 0.4;
   constexpr std::uint64_t kMinVoxelsEach = 8;  // of a label, in the mean
@@ -100,10 +130,10 @@ Result<void> check_no_grey(const FoundLabels& found, const Index3& size, const s
   }
   const double fraction = pairs > 0 ? static_cast<double>(equal) / static_cast<double>(pairs) : 1;
   if (fraction >= kMaxEqual && inside >= kMinVoxelsEach * found.labels.size()) return {};
-  return bad_file(
-      name,
+  return fmt::format(
       "looks like grey values, not labels: {} values in {} voxels, and {:.0f} % of neighbours are equal; "
-      "give it as --volume, and make structures of it by --segment",
+      "give it as "
+      "--volume, and make structures of it by --segment; names for all labels or --as-labels overrule this",
       found.labels.size(), inside, 100 * fraction);
 }
 
@@ -124,9 +154,42 @@ void name_by_segments(const std::vector<SourceSegment>& segments, ImportedLabels
   }
 }
 
+std::string remedy_for(const ImportedLabels& labels, const NamesTable& table) {
+  if (!labels.structures.front().label)
+    return "masks and overlapping segments have no labels: give the rows their names";
+  if (table.columns.empty()) return "give the table of these labels, or another --names-format";
+  return fmt::format("no column of labels was found in {}; call it \"label\"",
+                     fmt::join(table.columns, ", "));
+}
+
+/// True for names that tables give to label 0.
+bool is_background(std::string_view name) {
+  const std::string lower = to_lower(name);
+  return std::ranges::any_of(
+      std::array{"background", "unknown", "clear", "none", "outside", "exterior", "undefined", "unlabel",
+                 "unclass", "void", "empty", "zero", "air", "null", "bg", "root", "?"},
+      [&](const char* word) { return lower.find(word) != std::string::npos; });
+}
+
+void note_shared(ImportedLabels& labels) {
+  std::map<std::string, int> names, colors;
+  for (const SourceStructure& structure : labels.structures) {
+    if (++names[name_key(structure.name)] == 2) labels.notes.add(kDuplicateNames, in_quotes(structure.name));
+    if (structure.color && ++colors[to_hex(*structure.color)] == 2)
+      labels.notes.add(kDuplicateColors, to_hex(*structure.color));
+  }
+}
+
 }  // namespace
 
-Result<ImportedLabels> read_label_map(SourceImage image, const std::string& name) {
+Result<void> check_doubt(const ImportedLabels& labels) {
+  const bool is_named = std::ranges::none_of(labels.structures, [](const SourceStructure& structure) {
+    return structure.label && structure.name == default_name(*structure.label);
+  });
+  return labels.doubt.empty() || is_named ? Result<void>() : bad_file(labels.source, "{}", labels.doubt);
+}
+
+Result<ImportedLabels> read_label_map(SourceImage image, const std::string& name, bool as_labels) {
   if (image.layers > 1) {
     return bad_file(
         name, "holds {} volumes, and names no segments in them; give one label map, or a folder of masks",
@@ -139,10 +202,12 @@ Result<ImportedLabels> read_label_map(SourceImage image, const std::string& name
   result.type = stored.type;
   result.notes = std::move(image.notes);
   const Index3 size = reordered(image.grid, storage_order(image.grid)).size;
+  const double tolerance = as_labels ? 0.5 : 1e-3;
   Result<FoundLabels> found =
-      visit_voxel_type(stored.type, [&]<typename T>(T) { return find_labels<T>(stored, name); });
+      visit_voxel_type(stored.type, [&]<typename T>(T) { return find_labels<T>(stored, name, tolerance); });
   if (!found) return tl::unexpected(found.error());
-  SPLATLAS_RETURN_IF_ERROR(check_no_grey(*found, size, name));
+  note_rounding(*found, stored.type, name, result.notes);
+  if (!as_labels) result.doubt = doubt_about(*found, size);
 
   std::vector<std::uint32_t> sorted = found->labels;
   std::sort(sorted.begin(), sorted.end());
@@ -163,7 +228,8 @@ Result<ImportedLabels> read_label_map(SourceImage image, const std::string& name
   return result;
 }
 
-Result<void> name_labels(ImportedLabels& labels, std::vector<LabelName> names, bool keeps_empty) {
+Result<void> name_labels(ImportedLabels& labels, NamesTable table, bool keeps_empty) {
+  std::vector<LabelName>& names = table.names;
   std::map<std::int64_t, SourceStructure*> unnamed;
   std::map<std::string, SourceStructure*> by_name;  // masks, and labels that the file itself names
   for (SourceStructure& structure : labels.structures) {
@@ -190,16 +256,19 @@ Result<void> name_labels(ImportedLabels& labels, std::vector<LabelName> names, b
     }
   }
   if (!names.empty() && unused.size() == names.size() && !labels.structures.empty())
-    return fail(ErrorCode::kFailed, "line {} is {}, and the first structure is {}; {}", names.front().line,
-                unused.front(), shown(labels.structures.front()),
-                labels.structures.front().label
-                    ? "give the table of these labels, or another --names-format"
-                    : "masks and overlapping segments have no labels: give the rows their names");
-  const NoteKind kind = unused_names(2 * unused.size() <= names.size());
-  for (std::string& name : unused) labels.notes.add(kind, std::move(name));
+    return fail(ErrorCode::kFailed, "the first is {}, and the first structure is {}; {}", unused.front(),
+                shown(labels.structures.front()), remedy_for(labels, table));
+  for (std::string& name : unused) labels.notes.add(kUnusedNames, std::move(name));
+  bool lacks_names = false;
   for (const auto& [label, structure] : unnamed) {
-    if (structure->name == default_name(label)) labels.notes.add(kUnnamed, fmt::to_string(label));
+    if (structure->name != default_name(label)) continue;
+    labels.notes.add(kUnnamed, fmt::to_string(label));
+    lacks_names = true;
   }
+  if (lacks_names && !table.zero_name.empty() && !is_background(table.zero_name))
+    labels.notes.add(kCountsFromZero,
+                     fmt::format("row 0 is {}, but 0 is background", in_quotes(table.zero_name)));
+  note_shared(labels);
   std::ranges::stable_sort(empty, {}, [](const SourceStructure& structure) { return *structure.label; });
   labels.structures.insert(labels.structures.end(), empty.begin(), empty.end());
   return {};

@@ -32,18 +32,24 @@ struct ImportedLabels {
   std::vector<SourceStructure> structures;
   std::vector<std::filesystem::path> files;   ///< the files read, in a fixed order
   std::vector<ResampledStructure> resampled;  ///< import_sources() notes them, under their final names
+  std::string doubt;  ///< why they look like grey values; names for all of them overrule it
   Notes notes;
 };
 
 /// Every value above 0 is a structure: named by the file's segments, else "Label 7". `name` stands for the
-/// file in messages. kFailed, with the value, for labels that are negative, fractional, or 2^32 and above;
-/// for several layers; and for grey values: at least 64 values of which neighbours mostly differ.
-[[nodiscard]] Result<ImportedLabels> read_label_map(SourceImage image, const std::string& name);
+/// file in messages. Values within 1e-3 of a whole number are rounded, with `as_labels` all of them, and NaN
+/// is background, each with a note. Doubts grey values: at least 64 values of which neighbours mostly differ.
+/// kFailed, with the value, for labels that are negative, fractional, or 2^32 and above, and for several
+/// layers.
+[[nodiscard]] Result<ImportedLabels> read_label_map(SourceImage image, const std::string& name,
+                                                    bool as_labels = false);
 
 /// Gives structures the names, codes, colours and terms of `names`: by label, or masks by name or key. Notes
-/// count labels without a name and names without voxels; those are dropped, or become empty structures with
-/// `keeps_empty`. kFailed, with the first, if no name fits a structure.
-[[nodiscard]] Result<void> name_labels(ImportedLabels& labels, std::vector<LabelName> names,
-                                       bool keeps_empty);
+/// count labels without a name, shared names and colours, and names without voxels; those are dropped, or
+/// become empty structures with `keeps_empty`. kFailed, with the first, if no name fits a structure.
+[[nodiscard]] Result<void> name_labels(ImportedLabels& labels, NamesTable table, bool keeps_empty);
+
+/// kFailed, with the doubt, if labels look like grey values and one has no name.
+[[nodiscard]] Result<void> check_doubt(const ImportedLabels& labels);
 
 }  // namespace splatlas

@@ -44,36 +44,45 @@ std::optional<std::string_view> inside(std::string_view text, std::string_view o
   return text.substr(open.size(), text.size() - open.size() - 1);
 }
 
-/// Parses three or four numbers with commas or blanks between them.
-std::optional<Rgb> parse_numbers(std::string_view list) {
+/// Three or four numbers with commas or blanks between them, perhaps in brackets; the fourth is alpha.
+std::optional<std::array<double, 3>> parse_numbers(std::string_view text) {
+  for (const auto& [open, close] : {std::pair("rgb(", ')'), {"rgba(", ')'}, {"[", ']'}, {"(", ')'}})
+    text = inside(text, open, close).value_or(text);
   const std::vector<std::string_view> parts =
-      list.find(',') != std::string_view::npos ? split(list, ',') : split_blanks(list);
+      text.find(',') != std::string_view::npos ? split(text, ',') : split_blanks(text);
   if (parts.size() != 3 && parts.size() != 4) return std::nullopt;
-  std::array<std::uint8_t, 3> rgb{};
+  std::array<double, 3> numbers{};
   for (std::size_t n = 0; n < 3; ++n) {
-    const auto channel = parse_channel(parts[n]);
-    if (!channel) return std::nullopt;
-    rgb[n] = *channel;
+    const auto number = parse_number(parts[n]);
+    if (!number) return std::nullopt;
+    numbers[n] = *number;
   }
-  return Rgb{rgb[0], rgb[1], rgb[2]};
+  return numbers;
 }
 
 }  // namespace
 
-std::optional<std::uint8_t> parse_channel(std::string_view text) {
-  const auto value = parse_number(text);
-  if (!value || !(*value >= 0 && *value <= 255) || std::floor(*value) != *value) return std::nullopt;
-  return static_cast<std::uint8_t>(*value);
-}
-
-std::optional<Rgb> parse_table_color(std::string_view text) {
+std::optional<Rgb> parse_table_color(std::string_view text, double scale) {
   const std::string lower = to_lower(trimmed(text));
   if (lower.starts_with('#')) return parse_hex(std::string_view(lower).substr(1));
-  for (const auto& [open, close] : {std::pair("rgb(", ')'), {"rgba(", ')'}, {"[", ']'}, {"(", ')'}}) {
-    if (const auto list = inside(lower, open, close)) return parse_numbers(*list);
+  const auto numbers = parse_numbers(lower);
+  if (!numbers) return lower.size() == 6 || lower.size() == 8 ? parse_hex(lower) : std::nullopt;
+  std::array<std::uint8_t, 3> rgb{};
+  for (std::size_t n = 0; n < 3; ++n) {
+    const double channel = std::round((*numbers)[n] * scale);
+    if (!(channel >= 0 && channel <= 255)) return std::nullopt;
+    rgb[n] = static_cast<std::uint8_t>(channel);
   }
-  if (const auto color = parse_numbers(lower)) return color;
-  return lower.size() == 6 || lower.size() == 8 ? parse_hex(lower) : std::nullopt;
+  return Rgb{rgb[0], rgb[1], rgb[2]};
+}
+
+double scale_of_colors(std::span<const std::string> texts) {
+  double most = 0;
+  for (const std::string& text : texts) {
+    if (const auto numbers = parse_numbers(to_lower(trimmed(text))))
+      most = std::max(most, std::ranges::max(*numbers));
+  }
+  return most > 0 && most <= 1 ? 255 : 1;
 }
 
 std::optional<Rgb> parse_css_color(std::string_view text) {

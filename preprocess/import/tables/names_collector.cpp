@@ -1,7 +1,6 @@
 #include "preprocess/import/tables/names_collector.h"
 
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,15 +16,11 @@ const NoteKind kFaultyRows{"faulty-rows", "row that cannot be read is dropped",
                            "rows that cannot be read are dropped", true};
 const NoteKind kDuplicateLabels{"duplicate-labels", "row for a label that has one already is dropped",
                                 "rows for labels that have one already are dropped", true};
-const NoteKind kDuplicateNames{"duplicate-names", "name stands for several labels",
-                               "names stand for several labels", false};
-const NoteKind kDuplicateColors{"duplicate-colors", "colour stands for several labels",
-                                "colours stand for several labels", false};
 const NoteKind kMissingNames{"missing-names", "label has no name and gets a numbered one",
                              "labels have no name and get numbered ones", true};
 const NoteKind kBadColors{"bad-colors", "colour cannot be read and is left out",
                           "colours cannot be read and are left out", true};
-const NoteKind kIgnoredColumns{"ignored-columns", "column is not used", "columns are not used", false};
+const NoteKind kIgnoredColumns{"ignored-columns", "column is not used", "columns are not used", false, true};
 
 }  // namespace
 
@@ -46,7 +41,7 @@ tl::unexpected<Error> NamesInput::refuse(const std::string& fault) const {
 }
 
 std::string NamesCollector::place(std::size_t line) const {
-  return fmt::format("{} line {}", input_.path.filename().string(), line);
+  return fmt::format("{} {} {}", input_.path.filename().string(), input_.unit(), line);
 }
 
 void NamesCollector::add(std::string_view label, LabelName name) {
@@ -59,7 +54,10 @@ void NamesCollector::add(std::string_view label, LabelName name) {
 }
 
 void NamesCollector::add(LabelName name) {
-  if (name.label == 0) return;
+  if (name.label == 0) {
+    table_.zero_name = name.name;
+    return;
+  }
   name.name = std::string(trimmed(name.name));
   if (name.name.empty()) {
     if (!name.label) return add_fault(name.line, "has neither a label nor a name");
@@ -78,7 +76,7 @@ void NamesCollector::add(LabelName name) {
 }
 
 void NamesCollector::add_fault(std::size_t line, const std::string& fault) {
-  if (first_fault_.empty()) first_fault_ = fmt::format("line {}: {}", line, fault);
+  if (first_fault_.empty()) first_fault_ = fmt::format("{} {}: {}", input_.unit(), line, fault);
   notes_.add(kFaultyRows, fmt::format("{}: {}", place(line), fault));
 }
 
@@ -90,21 +88,11 @@ void NamesCollector::add_ignored_column(std::string_view name) {
   notes_.add(kIgnoredColumns, in_quotes(name));
 }
 
-void NamesCollector::note_shared() {
-  std::map<std::string, int> names;
-  std::map<std::string, int> colors;
-  for (const LabelName& name : table_.names) {
-    if (++names[name_key(name.name)] == 2) notes_.add(kDuplicateNames, in_quotes(name.name));
-    if (name.color && ++colors[to_hex(*name.color)] == 2) notes_.add(kDuplicateColors, to_hex(*name.color));
-  }
-}
-
 Result<NamesTable> NamesCollector::finish() {
   if (table_.names.empty()) {
     return input_.refuse((first_fault_.empty() ? "names no label" : first_fault_) +
                          "; correct it, or give another --names-format");
   }
-  note_shared();
   return std::move(table_);
 }
 

@@ -24,6 +24,14 @@ struct NamesInput {
   std::string text;
   std::string title;  ///< of the dialect, for messages
 
+  /// What rows are called: the entries of JSON and XML have no lines.
+  [[nodiscard]] const char* unit() const {
+    const std::size_t first = text.find_first_not_of(" \t\r\n");
+    return first != std::string::npos && std::string_view("[{<").find(text[first]) != std::string_view::npos
+               ? "entry"
+               : "line";
+  }
+
   /// "FILE: is read as TITLE: ..." as the error of a reader.
   [[nodiscard]] tl::unexpected<Error> refuse(const std::string& fault) const;
 };
@@ -45,14 +53,14 @@ class NamesCollector {
   /// A column that no reader knows.
   void add_ignored_column(std::string_view name);
 
+  void set_columns(std::vector<std::string> columns) { table_.columns = std::move(columns); }
   void set_hierarchy(std::vector<TreeLine> lines) { table_.hierarchy = std::move(lines); }
 
-  /// The table, and notes of what is shared. kFailed, with the first fault, if no row was usable.
+  /// The table. kFailed, with the first fault, if no row was usable.
   [[nodiscard]] Result<NamesTable> finish();
 
  private:
   [[nodiscard]] std::string place(std::size_t line) const;
-  void note_shared();
 
   const NamesInput& input_;
   Notes& notes_;

@@ -61,6 +61,9 @@ enum class NamesFormat : std::uint8_t {
   kItkSnap,      ///< label R G B A visible mesh "name"
   kCtbl,         ///< 3D Slicer's colour table: index name R G B A
   kFreeSurfer,   ///< colour lookup table: id name R G B A
+  kFslEyes,      ///< label R G B name
+  kFsl,          ///< FSL's atlas in XML
+  kDcmqi,        ///< dcmqi's JSON beside a DICOM segmentation
   kBids,         ///< _dseg.tsv: index, name and other columns
   kMricron,      ///< label name [code]
   kNiivue,       ///< JSON arrays R G B I and labels
@@ -90,8 +93,10 @@ struct LabelName : SourceStructure {
 /// Content of a names file.
 struct NamesTable {
   NamesFormat dialect = NamesFormat::kAuto;
-  std::vector<LabelName> names;     ///< labels from 1 to 2^32 - 1, each once; label 0 is background
-  std::vector<TreeLine> hierarchy;  ///< nodes; empty if the file has none
+  std::vector<LabelName> names;      ///< labels from 1 to 2^32 - 1, each once; label 0 is background
+  std::string zero_name;             ///< of label 0; empty if the file does not name it
+  std::vector<TreeLine> hierarchy;   ///< nodes; empty if the file has none
+  std::vector<std::string> columns;  ///< of a table without labels; else empty
 };
 
 /// Reads names in one of the dialects; kAuto detects it from the content. Rows with faults are dropped, and

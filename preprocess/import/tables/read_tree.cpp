@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "format/result_macros.h"
 #include "preprocess/import/import_error.h"
@@ -36,7 +37,7 @@ Result<Table> read_in_child(const std::filesystem::path& path, Notes& notes, con
   return std::move(noted.table);
 }
 
-const NoteKind kTreeFormatNote{"tree-format", "", "", false};
+const NoteKind kTreeFormatNote{"tree-format", "", "", false, true};
 
 // Tree files: one path per line (see kTreeFormat).
 
@@ -85,21 +86,27 @@ Result<std::vector<TreeLine>> read_path_tree(const NamesInput& input, NamesColle
   return result;
 }
 
-/// Tables with columns id, name and parent, or path. An id may be text; a whole one is the label, too.
+/// Tables with a column of names or ids, unlike lines of paths.
 bool recognise_table_tree(std::string_view head) {
   const auto separator = find_separator(head);
   if (!separator) return false;
-  const Table table = parse_table(lines_of(head).front().text, *separator);
-  const std::vector<Column> columns = columns_of(table);
-  const auto has = [&](ColumnRole role) { return find_column(columns, role) != std::string::npos; };
-  return (has(ColumnRole::kName) || has(ColumnRole::kKey) || has(ColumnRole::kLabel)) &&
-         (has(ColumnRole::kParent) || has(ColumnRole::kPath));
+  const std::vector<std::string> columns = parse_table(lines_of(head).front().text, *separator).columns;
+  return columns.size() > 1 && std::ranges::any_of(columns, [](const std::string& name) {
+           const ColumnRole role = column_of(name).role;
+           return role == ColumnRole::kName || role == ColumnRole::kKey || role == ColumnRole::kLabel;
+         });
 }
 
 Result<std::vector<TreeLine>> read_table_tree(const NamesInput& input, NamesCollector& into) {
   const auto separator = find_separator(input.text);
-  SPLATLAS_ASSIGN_OR_RETURN(const TableEntries entries,
-                            read_entries(parse_table(input.text, separator.value_or(',')), input, into));
+  const Table table = parse_table(input.text, separator.value_or(','));
+  SPLATLAS_ASSIGN_OR_RETURN(const TableEntries entries, read_entries(table, input, into));
+  if (!entries.has_hierarchy) {
+    return input.refuse(
+        fmt::format("a tree needs a column \"parent\" or \"path\", or columns \"level1\", \"level2\" "
+                    "and so on; the columns are {}",
+                    fmt::join(table.columns, ", ")));
+  }
   if (entries.entries.empty()) return input.refuse("has no row below its header; add some");
   return hierarchy_of(entries);
 }

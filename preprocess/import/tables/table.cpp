@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 
 #include <fmt/format.h>
 
 #include "format/text/ascii_text.h"
+#include "preprocess/import/tables/color_text.h"
+#include "preprocess/import/tables/names_collector.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
@@ -21,9 +24,10 @@ struct Aliases {
 /// Of several columns of one role, the alias that stands first counts.
 constexpr Aliases kAliases[] = {
     {ColumnRole::kLabel,
-     "labelvalue label_value label labels index idx value label_id labelid label_number number class "
-     "class_id no nr"},
-    {ColumnRole::kKey, "id key structure_id region_id roi_id"},
+     "labelvalue label_value annotation_value label labels index idx value label_id labelid label_number "
+     "number "
+     "class class_id no nr"},
+    {ColumnRole::kKey, "id key identifier structure_id region_id roi_id"},
     {ColumnRole::kName,
      "name structure region labelname label_name structure_name region_name roi roi_name class_name "
      "full_name totalsegmentator_name"},
@@ -32,8 +36,9 @@ constexpr Aliases kAliases[] = {
     {ColumnRole::kRed, "r red color_r"},
     {ColumnRole::kGreen, "g green color_g"},
     {ColumnRole::kBlue, "b blue color_b"},
-    {ColumnRole::kParent, "parent parent_id parent_structure_id parent_name parent_label"},
-    {ColumnRole::kPath, "path structure_id_path hierarchy"},
+    {ColumnRole::kParent,
+     "parent parent_id parent_identifier parent_structure_id parent_name parent_label group"},
+    {ColumnRole::kPath, "path structure_id_path root_identifier_path hierarchy"},
     {ColumnRole::kCode, "code"},
     {ColumnRole::kSynonym, "synonym synonyms alias aliases alternative_name"},
     {ColumnRole::kTerm, "abbreviation abbr acronym", "abbreviation"},
@@ -111,12 +116,55 @@ std::optional<Column> column_of_language(std::string_view plain) {
   return std::nullopt;
 }
 
-bool has_labels(const Table& table, std::size_t column) {
+/// "level1" or "Level 2": a name of the path.
+bool is_level(std::string_view plain) {
+  const std::string_view rest = plain.starts_with("level") ? plain.substr(5) : "";
+  return !rest.empty() && rest.find_first_not_of("_0123456789") == std::string_view::npos;
+}
+
+std::vector<std::string> values_of(const Table& table, std::size_t column) {
+  std::vector<std::string> values;
   for (const Table::Row& row : table.rows) {
-    if (column < row.fields.size() && !row.fields[column].empty())
-      return parse_number(row.fields[column]).has_value();
+    if (column < row.fields.size() && !row.fields[column].empty()) values.push_back(row.fields[column]);
   }
-  return true;
+  return values;
+}
+
+bool is_number(const std::string& text) {
+  return parse_number(text).has_value();
+}
+
+/// Whole numbers, each once.
+bool are_labels(const std::vector<std::string>& values) {
+  std::set<std::int64_t> labels;
+  return !values.empty() && std::ranges::all_of(values, [&](const std::string& value) {
+    const auto label = parse_label(value);
+    return label && labels.insert(*label).second;
+  });
+}
+
+bool are_colors(const std::vector<std::string>& values) {
+  return !values.empty() && std::ranges::all_of(values, [](const std::string& value) {
+    return !is_number(value) && parse_table_color(value);
+  });
+}
+
+bool are_texts(const std::vector<std::string>& values) {
+  return !values.empty() && std::ranges::none_of(values, is_number);
+}
+
+/// Gives a role that no column has to the first unknown one whose values fit; of labels, to the only one.
+void find_by_values(const Table& table, ColumnRole role, bool (*fits)(const std::vector<std::string>& values),
+                    std::vector<Column>& columns) {
+  if (find_column(columns, role) != std::string::npos) return;
+  std::vector<std::size_t> found;
+  for (std::size_t n = 0; n < columns.size(); ++n) {
+    const bool may_be = columns[n].role == ColumnRole::kUnknown ||
+                        (role == ColumnRole::kLabel && columns[n].role == ColumnRole::kCode);
+    if (may_be && fits(values_of(table, n))) found.push_back(n);
+  }
+  if (found.size() == 1 || (role != ColumnRole::kLabel && !found.empty()))
+    columns[found.front()] = {role, {}};
 }
 
 /// Splits a text into records of fields.
@@ -253,6 +301,7 @@ Column column_of(std::string_view name) {
     return {entry->role, entry->vocabulary};
   if (const auto code = column_of_code(plain)) return *code;
   if (const auto language = column_of_language(plain)) return *language;
+  if (is_level(plain)) return {ColumnRole::kLevel, {}};
   for (const std::string_view suffix : {"_id", "_code", "id"}) {  // "FMA ID", "snomed_code"
     if (!plain.ends_with(suffix)) continue;
     const auto [entry, place] = find_alias(plain.substr(0, plain.size() - suffix.size()));
@@ -274,7 +323,8 @@ std::vector<Column> columns_of(const Table& table) {
   for (const std::string& name : table.columns) columns.push_back(column_of(name));
   if (find_column(columns, ColumnRole::kName) == std::string::npos) {  // "index,label": the label is a name
     for (std::size_t n = 0; n < columns.size(); ++n) {
-      if (columns[n].role == ColumnRole::kLabel && !has_labels(table, n)) columns[n].role = ColumnRole::kName;
+      if (columns[n].role == ColumnRole::kLabel && are_texts(values_of(table, n)))
+        columns[n].role = ColumnRole::kName;
     }
   }
   // One column for each role: the alias that stands first in the list.
@@ -289,7 +339,49 @@ std::vector<Column> columns_of(const Table& table) {
       if (static_cast<int>(columns[n].role) == role && n != best) columns[n].role = ColumnRole::kUnknown;
     }
   }
+  const std::size_t name = find_column(columns, ColumnRole::kName);
+  const bool has_label = find_column(columns, ColumnRole::kLabel) != std::string::npos;
+  if (!has_label && name != std::string::npos && are_labels(values_of(table, name)))
+    columns[name].role = ColumnRole::kUnknown;
+  const bool has_key = find_column(columns, ColumnRole::kKey) != std::string::npos;
+  if (find_column(columns, ColumnRole::kRed) == std::string::npos)
+    find_by_values(table, ColumnRole::kColor, are_colors, columns);
+  find_by_values(table, ColumnRole::kName, are_texts, columns);
+  if (find_column(columns, ColumnRole::kName) != std::string::npos && !has_key)
+    find_by_values(table, ColumnRole::kLabel, are_labels, columns);
   return columns;
+}
+
+void add_header(Table& table) {
+  table.rows.insert(table.rows.begin(), {1, table.columns});
+  const std::size_t count = table.columns.size();
+  std::vector<std::string> names(count);
+  const auto claim = [&](const char* name, bool (*fits)(const std::vector<std::string>&)) {
+    for (std::size_t n = 0; n < count; ++n) {
+      if (!names[n].empty() || !fits(values_of(table, n))) continue;
+      names[n] = name;
+      return;
+    }
+  };
+  if (are_labels(values_of(table, count - 1)) && !are_labels(values_of(table, 0))) names.back() = "label";
+  if (names.back().empty()) claim("label", are_labels);
+  claim("color", are_colors);
+  claim("name", are_texts);
+  const auto are_numbers = [&](std::size_t n) {
+    return names[n].empty() && std::ranges::all_of(values_of(table, n), is_number);
+  };
+  for (std::size_t n = 0; n + 2 < count; ++n) {
+    if (!are_numbers(n) || !are_numbers(n + 1) || !are_numbers(n + 2)) continue;
+    names[n] = "r", names[n + 1] = "g", names[n + 2] = "b";
+    if (n + 3 < count && are_numbers(n + 3)) names[n + 3] = "a";
+    break;
+  }
+  claim("code", [](const std::vector<std::string>& values) {
+    return std::ranges::all_of(values,
+                               [](const std::string& value) { return parse_integer(value).has_value(); });
+  });
+  for (std::size_t n = 0; n < count; ++n)
+    table.columns[n] = names[n].empty() ? fmt::format("column {}", n + 1) : names[n];
 }
 
 }  // namespace splatlas

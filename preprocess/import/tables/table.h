@@ -48,6 +48,7 @@ enum class ColumnRole : std::uint8_t {
   kBlue,
   kParent,
   kPath,
+  kLevel,       ///< a name of the path, from the root: "level1"
   kCode,        ///< number of a region, for trees
   kSynonym,     ///< several, separated by ";" or "|"
   kTerm,        ///< code or name in `vocabulary`
@@ -68,8 +69,13 @@ struct Column {
 /// "value"); otherwise the first.
 [[nodiscard]] std::size_t find_column(std::span<const Column> columns, ColumnRole role);
 
-/// Roles of all columns of a table: one column each for label, key, name and so on. A "label" column with
-/// text is the name if no other is.
+/// Roles of all columns of a table by their names, and else by their values: one column each for label, key,
+/// name and so on. A "label" column with text is the name if no other is. Without labels, the only column of
+/// unique whole numbers has them; without names or colours, the first column of text or of colours has these.
 [[nodiscard]] std::vector<Column> columns_of(const Table& table);
+
+/// Turns the header of a table that has none into its first row. Its columns get names by their values:
+/// label, name, colour or three channels, and code.
+void add_header(Table& table);
 
 }  // namespace splatlas

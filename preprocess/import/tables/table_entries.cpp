@@ -18,7 +18,11 @@ namespace {
 class EntryReader {
  public:
   EntryReader(const Table& table, NamesCollector& into)
-      : columns_(columns_of(table)), names_(table.columns), into_(into) {}
+      : columns_(columns_of(table)), names_(table.columns), into_(into) {
+    std::vector<std::string> colors;
+    for (const Table::Row& row : table.rows) colors.push_back(color_text(row));
+    color_scale_ = scale_of_colors(colors);
+  }
 
   /// kFailed if columns are missing.
   Result<void> check(const NamesInput& input) const {
@@ -59,6 +63,10 @@ class EntryReader {
     entry.parent = field(row, ColumnRole::kParent);
     if (to_lower(entry.parent) == "null") entry.parent.clear();
     entry.path = field(row, ColumnRole::kPath);
+    for (std::size_t n = 0; n < columns_.size(); ++n) {
+      if (columns_[n].role == ColumnRole::kLevel && !field(row, n).empty())
+        entry.path += field(row, n) + " > ";
+    }
     entry.name.code = parse_integer(field(row, ColumnRole::kCode));
     read_color(row, entry);
     read_terms(row, entry);
@@ -76,17 +84,19 @@ class EntryReader {
     return field(row, find_column(columns_, role));
   }
 
-  void read_color(const Table::Row& row, TableEntry& entry) const {
+  /// The colour, or its three channels; "" without one.
+  [[nodiscard]] std::string color_text(const Table::Row& row) const {
     std::string text = field(row, ColumnRole::kColor);
-    if (text.empty() && has(ColumnRole::kRed)) {
-      const std::string r = field(row, ColumnRole::kRed);
-      const std::string g = field(row, ColumnRole::kGreen);
-      const std::string b = field(row, ColumnRole::kBlue);
-      if (r.empty() && g.empty() && b.empty()) return;
-      text = fmt::format("{},{},{}", r, g, b);
-    }
+    if (!text.empty() || !has(ColumnRole::kRed)) return text;
+    text = fmt::format("{},{},{}", field(row, ColumnRole::kRed), field(row, ColumnRole::kGreen),
+                       field(row, ColumnRole::kBlue));
+    return text == ",," ? std::string() : text;
+  }
+
+  void read_color(const Table::Row& row, TableEntry& entry) const {
+    const std::string text = color_text(row);
     if (text.empty()) return;
-    entry.name.color = parse_table_color(text);
+    entry.name.color = parse_table_color(text, color_scale_);
     if (!entry.name.color) into_.add_bad_color(row.line, text);
   }
 
@@ -126,6 +136,7 @@ class EntryReader {
   std::vector<Column> columns_;
   const std::vector<std::string>& names_;
   NamesCollector& into_;
+  double color_scale_ = 1;
 };
 
 // Nodes of a table's rows: parents by id, abbreviation or name, and paths of ids or names.
@@ -136,16 +147,22 @@ std::string key_of_id(std::string_view id) {
   return "id:" + (label ? fmt::format("{}", *label) : name_key(id));
 }
 
-/// The parts of "/997/8/", "[997, 8]" or "Brain/Left".
+/// The parts of "/997/8/", "[997, 8]", "997;8", "Brain/Left" or "Brain > Left".
 std::vector<std::string> parts_of(std::string_view path) {
   path = trimmed(path);
   const bool is_list = path.starts_with('[') && path.ends_with(']');
   if (is_list) path = path.substr(1, path.size() - 2);
+  const std::size_t other = path.find_first_of(">|;");
+  const char separator = is_list ? ',' : other != std::string_view::npos ? path[other] : '/';
   std::vector<std::string> parts;
-  for (const std::string_view part : split(path, is_list ? ',' : '/')) {
+  for (const std::string_view part : split(path, separator)) {
     if (!part.empty()) parts.emplace_back(part);
   }
   return parts;
+}
+
+bool are_ids(std::span<const std::string> parts) {
+  return std::ranges::all_of(parts, [](const std::string& part) { return parse_integer(part).has_value(); });
 }
 
 class HierarchyMaker {
@@ -179,7 +196,7 @@ class HierarchyMaker {
   [[nodiscard]] std::vector<std::string> names_of_path(std::size_t n) const {
     const TableEntry& entry = entries_[n];
     std::vector<std::string> parts = parts_of(entry.path);
-    if (parts.empty() || (!entry.key.empty() && key_of_id(parts.back()) == key_of_id(entry.key))) return {};
+    if (are_ids(parts) || (!entry.key.empty() && key_of_id(parts.back()) == key_of_id(entry.key))) return {};
     if (name_key(parts.back()) != name_key(entry.name.name)) parts.push_back(entry.name.name);
     return parts;
   }
@@ -199,8 +216,9 @@ class HierarchyMaker {
     const TableEntry& entry = entries_[n];
     TreeNode node{keys_[n], entry.name.name, parse_label(entry.label), {}};
     if (node.label == 0) return;  // background
-    const std::string parent = parent_of(n);
-    if (!parent.empty() && parent != node.key) node.parents.push_back(parent);
+    for (std::string& parent : parents_of(n)) {
+      if (!parent.empty() && parent != node.key) node.parents.push_back(std::move(parent));
+    }
     if (node.name.empty() && node.label) node.name = fmt::format("Label {}", *node.label);
     TreeLine line;
     line.number = entry.name.line;
@@ -209,14 +227,27 @@ class HierarchyMaker {
     lines_.push_back(std::move(line));
   }
 
-  /// The key of the parent; "" for a root.
-  std::string parent_of(std::size_t n) {
+  /// The keys of the parents, "" for none. A list of ids ("10;11") has several. Of a path of ids it is the
+  /// last region listed; ids behind it have none, and build_graph() counts them.
+  std::vector<std::string> parents_of(std::size_t n) {
     const TableEntry& entry = entries_[n];
-    if (!entry.parent.empty()) return find_parent(entry.parent, entry.name.line);
+    const std::size_t line = entry.name.line;
+    std::vector<std::string> parents;
+    if (!entry.parent.empty()) {
+      const std::vector<std::string> ids = parts_of(entry.parent);
+      if (ids.size() < 2 || !are_ids(ids)) return {find_parent(entry.parent, line)};
+      for (const std::string& id : ids) parents.push_back(find_parent(id, line));
+      return parents;
+    }
     const std::vector<std::string> names = names_of_path(n);
-    if (!names.empty()) return find_group(std::span(names).first(names.size() - 1), entry.name.line);
-    const std::vector<std::string> ids = parts_of(entry.path);
-    return ids.size() < 2 ? "" : find_parent(ids[ids.size() - 2], entry.name.line);
+    if (!names.empty()) return {find_group(std::span(names).first(names.size() - 1), line)};
+    std::vector<std::string> ids = parts_of(entry.path);
+    if (!ids.empty() && !entry.key.empty() && key_of_id(ids.back()) == key_of_id(entry.key)) ids.pop_back();
+    for (; !ids.empty(); ids.pop_back()) {
+      parents.push_back(key_of_id(ids.back()));
+      if (entry_of_key_.contains(parents.back())) break;
+    }
+    return parents;
   }
 
   std::string find_parent(const std::string& text, std::size_t line) {
@@ -262,7 +293,9 @@ Result<TableEntries> read_entries(const Table& table, const NamesInput& input, N
   reader.note_ignored_columns();
   TableEntries result;
   result.has_labels = reader.has(ColumnRole::kLabel) || reader.has(ColumnRole::kKey);
-  result.has_hierarchy = reader.has(ColumnRole::kParent) || reader.has(ColumnRole::kPath);
+  result.has_hierarchy =
+      std::ranges::any_of(std::array{ColumnRole::kParent, ColumnRole::kPath, ColumnRole::kLevel},
+                          [&](ColumnRole role) { return reader.has(role); });
   for (const Table::Row& row : table.rows) result.entries.push_back(reader.read(row));
   for (const Table::Fault& fault : table.faults) into.add_fault(fault.line, fault.text);
   return result;
@@ -271,6 +304,7 @@ Result<TableEntries> read_entries(const Table& table, const NamesInput& input, N
 Result<void> add_table(const Table& table, const NamesInput& input, NamesCollector& into) {
   SPLATLAS_ASSIGN_OR_RETURN(TableEntries entries, read_entries(table, input, into));
   if (entries.has_hierarchy) into.set_hierarchy(hierarchy_of(entries));
+  if (!entries.has_labels) into.set_columns(table.columns);
   for (TableEntry& entry : entries.entries) {
     const bool is_group = entry.label.empty() && entries.has_hierarchy;
     if (!entries.has_labels) {

@@ -1,9 +1,11 @@
 #include "preprocess/import/tables/text_file.h"
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <memory>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 #include <utf8cpp/utf8.h>
@@ -74,6 +76,8 @@ Result<std::string> read_text(const std::filesystem::path& path) {
   std::string all(bytes, '\0');
   if (!std::ifstream(path, std::ios::binary).read(all.data(), static_cast<std::streamsize>(bytes)))
     return bad_file(path, "cannot be read whole");
+  if (all.starts_with("PK\3\4") || all.starts_with("\xd0\xcf\x11\xe0"))
+    return bad_file(path, "is a workbook (Excel, LibreOffice) or an archive; save its table as CSV");
   if (all.starts_with("\xef\xbb\xbf")) all.erase(0, 3);  // byte order mark
   std::size_t number = 0;
   for (LineReader lines(all); const auto line = lines.next();) {
@@ -169,6 +173,29 @@ std::optional<std::int64_t> parse_integer(std::string_view text) {
 }
 std::optional<double> parse_number(std::string_view text) {
   return parse_number<double>(without_plus(text));
+}
+
+std::optional<std::string_view> cut_between(std::string_view& rest, std::string_view before,
+                                            std::string_view after) {
+  const std::size_t start = rest.find(before);
+  if (start == std::string_view::npos) return std::nullopt;
+  const std::size_t end = rest.find(after, start + before.size());
+  if (end == std::string_view::npos) return std::nullopt;
+  const std::string_view found = rest.substr(start + before.size(), end - start - before.size());
+  rest.remove_prefix(end + after.size());
+  return found;
+}
+
+std::string xml_text(std::string_view content) {
+  if (const auto data = cut_between(content, "<![CDATA[", "]]>")) return std::string(trimmed(*data));
+  std::string text(trimmed(content));
+  constexpr std::array<std::pair<std::string_view, char>, 5> kEntities{
+      {{"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}, {"&amp;", '&'}}};
+  for (const auto& [entity, character] : kEntities) {
+    for (std::size_t at = text.find(entity); at != std::string::npos; at = text.find(entity, at + 1))
+      text.replace(at, entity.size(), 1, character);
+  }
+  return text;
 }
 
 Result<void> check_structure_name(std::string_view name) {

@@ -55,6 +55,12 @@ std::vector<std::string_view> split(std::string&& text, char separator) = delete
 /// The same for floating-point numbers. Accepts "nan" and "inf".
 [[nodiscard]] std::optional<double> parse_number(std::string_view text);
 
+/// The text between `before` and `after`, behind which `rest` then begins.
+[[nodiscard]] std::optional<std::string_view> cut_between(std::string_view& rest, std::string_view before,
+                                                          std::string_view after);
+/// Text of an XML element: CDATA, or text with entities.
+[[nodiscard]] std::string xml_text(std::string_view content);
+
 inline constexpr std::size_t kMaxNameCharacters = 200;
 
 /// kFailed for empty names, more than kMaxNameCharacters characters, control characters (including tabs and

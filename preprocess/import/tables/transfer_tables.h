@@ -14,7 +14,7 @@ void transfer(auto& archive, SourceStructure& structure) {
           structure.terms);
 }
 void transfer(auto& archive, NoteKind& kind) {
-  archive(kind.id, kind.one, kind.many, kind.is_warning);
+  archive(kind.id, kind.one, kind.many, kind.is_warning, kind.is_minor);
 }
 void transfer(auto& archive, Note& note) {
   archive(note.kind, note.items);
@@ -30,7 +30,7 @@ void transfer(auto& archive, TreeLine& line) {
   archive(line.number, line.groups, line.member, line.color, line.node);
 }
 void transfer(auto& archive, NamesTable& table) {
-  archive(table.dialect, table.names, table.hierarchy);
+  archive(table.dialect, table.names, table.zero_name, table.hierarchy, table.columns);
 }
 
 }  // namespace splatlas

@@ -45,8 +45,20 @@ TEST_F(PlaceNodes, PlacesPathsOfIdsAndOfNames) {
 TEST_F(PlaceNodes, BreaksCirclesOfTables) {
   const auto placed = build("id,name,parent\n10,A,11\n11,B,10\n1,x,10\n");
   ASSERT_TRUE(placed) << placed.error().message;
-  EXPECT_THAT(items("tree-circles"), ElementsAre("\"A\" of \"B\""));
-  EXPECT_THAT(names_below(placed->graph, "B"), ElementsAre("B", "A", "Precentral_L"));
+  EXPECT_THAT(items("tree-circles"), ElementsAre("\"B\" of \"A\""));
+  EXPECT_THAT(names_below(placed->graph, "A"), ElementsAre("A", "Precentral_L"));
+}
+
+/// A group may have the name of its member, whose voxels it does not take.
+TEST_F(PlaceNodes, KeepsGroupsApartFromMembersOfTheirName) {
+  const auto placed =
+      build("label,id,name,parent\n,100,Precentral_L,\n1,101,Precentral_L,100\n2,102,y,100\n");
+  ASSERT_TRUE(placed) << placed.error().message;
+  std::vector<bool> have_labels;
+  for (const Structure& structure : placed->graph.structures()) {
+    if (structure.name == "Precentral_L") have_labels.push_back(structure.label.has_value());
+  }
+  EXPECT_THAT(have_labels, ElementsAre(false, true));
 }
 
 TEST_F(PlaceNodes, PlacesMasksByTheNamesOfATable) {

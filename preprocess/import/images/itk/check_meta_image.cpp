@@ -111,6 +111,10 @@ bool is_true(const std::string& value) {
 Result<void> skip_header_size(const TextHeader& header, const fs::path& path, PixelData& pixels) {
   const auto size = parse_integer(header.get("HeaderSize", "0"));
   if (!size || *size < -1) return bad_file(path, "has HeaderSize = {}", shown(header.get("HeaderSize")));
+  std::error_code error;
+  if (*size < 0)
+    pixels.start =
+        fs::file_size(pixels.file, error) - std::min(fs::file_size(pixels.file, error), pixels.bytes);
   if (*size <= 0) return {};
   if (static_cast<std::uint64_t>(*size) < pixels.start) {
     return bad_file(path, "has HeaderSize = {}, but its header alone has {} bytes; remove HeaderSize", *size,
@@ -152,7 +156,9 @@ Result<PixelData> check_meta_image_file(const fs::path& path) {
     pixels.start = 0;
   }
   pixels.is_big_endian = is_true(header.get("BinaryDataByteOrderMSB", header.get("ElementByteOrderMSB")));
-  if (is_true(header.get("CompressedData"))) pixels.compression = Compression::kDeflate;
+  pixels.is_plain = !is_true(header.get("CompressedData"));
+  if (!pixels.is_plain) pixels.compression = Compression::kDeflate;
+  pixels.mm_per_unit = mm_of_unit(header.get("DistanceUnits"));
   pixels.layers_first = *channels > 1;
   pixels.layers = static_cast<std::size_t>(*channels);
   for (std::size_t a = 3; a < sizes.size(); ++a) pixels.layers *= static_cast<std::size_t>(sizes[a]);

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -80,6 +81,18 @@ std::array<bool, 2> misread_axes(int space) {
   return {false, space == nrrdSpaceLeftAnteriorSuperiorTime};
 }
 
+/// Millimetres of the unit of the space, or of its axes. Nullopt for different and for unknown ones.
+std::optional<double> find_unit(const Nrrd& nrrd) {
+  std::set<std::string> units;
+  const auto add = [&](const char* text) {
+    if (text != nullptr && !trimmed(text).empty()) units.emplace(trimmed(text));
+  };
+  for (unsigned row = 0; row < nrrd.spaceDim; ++row) add(nrrd.spaceUnits[row]);
+  for (unsigned a = 0; a < nrrd.dim && nrrd.spaceDim == 0; ++a) add(nrrd.axis[a].units);
+  if (units.size() > 1) return std::nullopt;
+  return units.empty() ? 1.0 : mm_of_unit(*units.begin());
+}
+
 /// The offset behind the first `lines` lines from `start` on. kFailed if there are fewer.
 Result<std::uint64_t> skip_lines(const fs::path& path, std::uint64_t start, unsigned lines) {
   std::ifstream file(path, std::ios::binary);
@@ -131,6 +144,7 @@ Result<PixelData> check_nrrd_file(const fs::path& path) {
   pixels.has_no_space = nrrd->space == nrrdSpaceUnknown || nrrd->space >= nrrdSpaceScannerXYZ;
   pixels.misread_axes = misread_axes(nrrd->space);
   SPLATLAS_RETURN_IF_ERROR(find_layers(*nrrd, path, pixels));
+  pixels.mm_per_unit = find_unit(*nrrd);
   for (std::size_t n = 0; n < nrrdKeyValueSize(nrrd.get()); ++n)
     pixels.pairs[nrrd->kvp[2 * n]] = nrrd->kvp[2 * n + 1];
 

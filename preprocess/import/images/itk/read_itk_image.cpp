@@ -1,18 +1,23 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <fstream>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
 #include <itkMetaImageIO.h>
 #include <itkNrrdImageIO.h>
+#include <nlohmann/json.hpp>
 
 #include "format/result_macros.h"
+#include "format/text/ascii_text.h"
 #include "preprocess/import/images/itk/itk_call.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
 #include "preprocess/import/images/pixels/image_readers.h"
 #include "preprocess/import/images/pixels/read_deflated.h"
 #include "preprocess/import/import_error.h"
+#include "preprocess/import/tables/color_text.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
@@ -22,6 +27,9 @@ namespace fs = std::filesystem;
 
 const NoteKind kNoSpace{"no-space", "NRRD file names no anatomical space and is read as LPS",
                         "NRRD files name no anatomical space and are read as LPS", true};
+
+const NoteKind kUnknownUnit{"unknown-unit", "file has an unknown unit of length, which is read as mm",
+                            "files have unknown units of length, which are read as mm", true};
 
 StoredType stored_type(itk::IOComponentEnum component) {
   switch (component) {
@@ -33,10 +41,20 @@ StoredType stored_type(itk::IOComponentEnum component) {
   }
 }
 
-/// The pixels in the order of the file. MetaIO ignores damage in compressed ones: ITK reads only plain ones.
+/// The pixels in the order of the file. MetaIO ignores damage in compressed ones, and takes a "%" in the name
+/// of a file for a pattern: ITK reads only what is neither.
 Result<std::vector<std::byte>> read_pixels(itk::ImageIOBase& io, const PixelData& pixels, std::uint64_t bytes,
                                            std::size_t bytes_each) {
   std::vector<std::byte> result;
+  if (pixels.is_plain) {
+    result.resize(bytes);
+    std::ifstream file(pixels.file, std::ios::binary);
+    file.seekg(static_cast<std::streamoff>(pixels.start));
+    if (!file.read(reinterpret_cast<char*>(result.data()), static_cast<std::streamsize>(bytes)))
+      return bad_file(pixels.file, "cannot be read whole");
+    if (pixels.is_big_endian) swap_bytes(result, bytes_each);
+    return result;
+  }
   if (pixels.compression == Compression::kNone) {
     result.resize(bytes);
     itk::ImageIORegion region(io.GetNumberOfDimensions());
@@ -72,6 +90,10 @@ Result<SourceImage> read_with(itk::ImageIOBase& io, const fs::path& path, const 
   io.ReadImageInformation();
   SourceImage image;
   image.grid = grid_of(io);
+  for (Vec3* lengths : {&image.grid.spacing_mm, &image.grid.origin_lps_mm}) {
+    for (double& length : *lengths) length *= pixels.mm_per_unit.value_or(1);
+  }
+  if (!pixels.mm_per_unit) image.notes.add(kUnknownUnit, name);
   SPLATLAS_RETURN_IF_ERROR(validate(image.grid, name));
   const StoredType type = stored_type(io.GetComponentType());
   if (type == StoredType())
@@ -88,19 +110,6 @@ Result<SourceImage> read_with(itk::ImageIOBase& io, const fs::path& path, const 
   if (are_mixed && image.layers > 1) read = separate_layers(read, image.layers, bytes_each);
   SPLATLAS_ASSIGN_OR_RETURN(image.voxels, voxels_of(std::move(read), type, path));
   return image;
-}
-
-/// Three numbers from 0 to 1.
-std::optional<Rgb> color_of(const std::string& text) {
-  const std::vector<std::string_view> parts = split_blanks(text);
-  if (parts.size() != 3) return std::nullopt;
-  std::array<std::uint8_t, 3> rgb{};
-  for (std::size_t n = 0; n < 3; ++n) {
-    const auto value = parse_number(parts[n]);
-    if (!value || !(*value >= 0 && *value <= 1)) return std::nullopt;
-    rgb[n] = static_cast<std::uint8_t>(std::lround(255 * *value));
-  }
-  return Rgb{rgb[0], rgb[1], rgb[2]};
 }
 
 /// A code "scheme^value^meaning"; nothing if it is empty.
@@ -123,28 +132,69 @@ std::vector<Term> terms_of(const std::string& tags) {
   return terms;
 }
 
+/// The numbers N of the keys "SegmentN_...", in ascending order. Scripts leave gaps, and begin at 1.
+std::set<std::size_t> segment_numbers(const std::map<std::string, std::string>& pairs) {
+  std::set<std::size_t> numbers;
+  for (const auto& [key, value] : pairs) {
+    constexpr std::string_view kSegment = "Segment";
+    const std::size_t end = key.find('_');
+    if (!key.starts_with(kSegment) || end == std::string::npos) continue;
+    const auto number = parse_number<std::size_t>(key.substr(kSegment.size(), end - kSegment.size()));
+    if (number) numbers.insert(*number);
+  }
+  return numbers;
+}
+
 /// The segments that the key/value pairs of an NRRD header name (3D Slicer's developer guide, segmentations),
-/// by number. Files before Slicer 4.11 have no values and layers: segment N is the value 1 of layer N.
+/// by number. Files before Slicer 4.11 have no values and layers: the n-th segment is the value 1 of layer n.
 /// Terminology entries become terms: the code of the type, and of its modifier.
 std::vector<SourceSegment> segments_of_nrrd(const std::map<std::string, std::string>& pairs) {
   std::vector<SourceSegment> segments;
-  for (std::size_t n = 0; pairs.contains(fmt::format("Segment{}_ID", n)); ++n) {
+  std::vector<std::string> colors;
+  for (const std::size_t n : segment_numbers(pairs)) {
     const auto get = [&](const char* key) {
       const auto found = pairs.find(fmt::format("Segment{}_{}", n, key));
       return found == pairs.end() ? std::string() : found->second;
     };
     SourceSegment segment;
     segment.value = parse_integer(get("LabelValue")).value_or(1);
-    segment.layer = static_cast<std::size_t>(std::max<std::int64_t>(
-        parse_integer(get("Layer")).value_or(get("LabelValue").empty() ? static_cast<std::int64_t>(n) : 0),
-        0));
+    const auto layer = get("LabelValue").empty() ? std::ssize(segments) : 0;
+    segment.layer =
+        static_cast<std::size_t>(std::max<std::int64_t>(parse_integer(get("Layer")).value_or(layer), 0));
     const std::string name = get("Name");
     segment.structure.name = name.empty() ? get("ID") : name;
-    segment.structure.color = color_of(get("Color"));
     segment.structure.terms = terms_of(get("Tags"));
+    colors.push_back(get("Color"));
     segments.push_back(std::move(segment));
   }
+  const double scale = scale_of_colors(colors);
+  for (std::size_t n = 0; n < segments.size(); ++n)
+    segments[n].structure.color = parse_table_color(colors[n], scale);
   return segments;
+}
+
+/// The segments of MITK's multilabel segmentations: JSON in a pair, a list of labels a layer.
+Result<std::vector<SourceSegment>> segments_of_mitk(const std::map<std::string, std::string>& pairs,
+                                                    const fs::path& path) try {
+  std::vector<SourceSegment> segments;
+  const auto text = pairs.find("org.mitk.multilabel.segmentation.labelgroups");
+  if (text == pairs.end()) return segments;
+  std::size_t layer = 0;
+  for (const auto& group : nlohmann::json::parse(text->second)) {
+    for (const auto& label : group.at("labels")) {
+      SourceSegment segment;
+      segment.layer = layer;
+      segment.value = label.at("value").get<std::int64_t>();
+      segment.structure.name = label.at("name").get<std::string>();
+      segment.structure.color = parse_table_color(label.at("color").at("value").dump(), 255);
+      segments.push_back(std::move(segment));
+    }
+    ++layer;
+  }
+  return segments;
+} catch (const nlohmann::json::exception&) {
+  return bad_file(
+      path, "has names of MITK (labelgroups) that cannot be read; save it as .seg.nrrd, or without them");
 }
 
 }  // namespace
@@ -160,6 +210,9 @@ Result<SourceImage> read_nrrd(const fs::path& path, const ImageOptions& /*option
     }
     if (pixels.has_no_space) image.notes.add(kNoSpace, path.string());
     image.segments = segments_of_nrrd(pixels.pairs);
+    if (image.segments.empty()) {
+      SPLATLAS_ASSIGN_OR_RETURN(image.segments, segments_of_mitk(pixels.pairs, path));
+    }
     image.is_segmentation = !image.segments.empty();
     for (const SourceSegment& segment : image.segments) {
       if (segment.layer < image.layers) continue;

@@ -1,9 +1,7 @@
-#include <array>
 #include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "format/result_macros.h"
@@ -20,31 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The text between `before` and `after`, behind which `rest` then begins.
-std::optional<std::string_view> cut_between(std::string_view& rest, std::string_view before,
-                                            std::string_view after) {
-  const std::size_t start = rest.find(before);
-  if (start == std::string_view::npos) return std::nullopt;
-  const std::size_t end = rest.find(after, start + before.size());
-  if (end == std::string_view::npos) return std::nullopt;
-  const std::string_view found = rest.substr(start + before.size(), end - start - before.size());
-  rest.remove_prefix(end + after.size());
-  return found;
-}
-
-/// Text of an XML element: CDATA, or text with entities.
-std::string text_of(std::string_view content) {
-  if (const auto data = cut_between(content, "<![CDATA[", "]]>")) return std::string(trimmed(*data));
-  std::string text(trimmed(content));
-  constexpr std::array<std::pair<std::string_view, char>, 5> kEntities{
-      {{"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}, {"&amp;", '&'}}};
-  for (const auto& [entity, character] : kEntities) {
-    for (std::size_t at = text.find(entity); at != std::string::npos; at = text.find(entity, at + 1))
-      text.replace(at, entity.size(), 1, character);
-  }
-  return text;
-}
-
 /// The labels of a LabelTable (Caret's XML, as TotalSegmentator and Mango write it) in the bytes between
 /// header and voxels; none if there is no such table. Their colours are dropped: TotalSegmentator repeats a
 /// cycle of twelve. Only numbers and names are kept: other parts of the XML may hold names of patients.
@@ -60,7 +33,7 @@ std::vector<SourceSegment> labels_of_extensions(std::string_view extensions) {
     if (!value || *value <= 0) continue;
     SourceSegment segment;
     segment.value = *value;
-    segment.structure.name = text_of(content);
+    segment.structure.name = xml_text(content);
     if (!segment.structure.name.empty()) labels.push_back(std::move(segment));
   }
   return labels;
@@ -105,7 +78,9 @@ Result<StoredType> stored_type(const NiftiHeader& header, const fs::path& path) 
     case 1280: return StoredType{VoxelType::kNone, WideInteger::kUnsigned};
     case 128:
     case 2304:
-      return bad_file(path, "holds colours (NIfTI type {}); a volume of numbers is needed", header.datatype);
+      return bad_file(
+          path, "holds colours (NIfTI type {}){}; a volume of numbers is needed", header.datatype,
+          header.datatype == 2304 ? ", perhaps NiiVue's PAQD, whose first channel has labels" : "");
     default: return bad_pixel_type(path, fmt::format("NIfTI type {}", header.datatype));
   }
 }
@@ -150,16 +125,17 @@ class NiftiReader {
     std::vector<std::byte> head(NiftiHeader::kMaxBytes);
     SPLATLAS_ASSIGN_OR_RETURN(const std::size_t found, file_.read_some(head));
     head.resize(found);
+    if (found > 1 && head[0] == std::byte{0x1f} && head[1] == std::byte{0x8b})
+      return bad_file(path_, "is compressed twice; gunzip it once");
     SPLATLAS_ASSIGN_OR_RETURN(header_, parse_nifti_header(head, files_.header));
     if (header_.is_pair != (files_.header != files_.voxels)) {
       return bad_file(path_, "{}",
                       header_.is_pair ? "is the header of a pair; name it .hdr, beside its .img"
                                       : "holds header and voxels in one; name it .nii");
     }
-    // No slope, 0 or NaN, stands for unscaled values.
-    const bool is_scaled = header_.slope < 0 || header_.slope > 0;
-    if (is_scaled && !(std::isfinite(header_.slope) && std::isfinite(header_.intercept)))
-      return bad_file(path_, "has a value scale (scl_slope, scl_inter) that is not a number");
+    if (!std::isfinite(header_.slope)) header_.slope = 0;
+    if ((header_.slope < 0 || header_.slope > 0) && !std::isfinite(header_.intercept))
+      return bad_file(path_, "has a value offset (scl_inter) that is not a number");
     if (header_.is_pair) {
       SPLATLAS_ASSIGN_OR_RETURN(file_, GzipFile::open(files_.voxels));
       header_.voxel_offset = std::max(header_.voxel_offset, 0.0);

@@ -1,6 +1,7 @@
 #include "preprocess/import/images/pixels/check_image_file.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "format/content/grid.h"
 #include "format/io/memory_limit.h"
@@ -23,9 +24,11 @@ std::string shown(const std::string& value) {
 Result<fs::path> pixel_file_beside(const fs::path& header, const std::string& name) {
   // ITK's readers take any name that begins so for a list, and follow its lines to any file.
   const std::string lower = to_lower(name);
-  if (lower.starts_with("list") || lower.starts_with("skiplist") || name.find('%') != std::string::npos)
-    return bad_file(header, "spreads its pixels over several files; give one file");
   std::error_code error;
+  const bool is_pattern =
+      name.find('%') != std::string::npos && !fs::exists(header.parent_path() / name, error);
+  if (lower.starts_with("list") || lower.starts_with("skiplist") || is_pattern)
+    return bad_file(header, "spreads its pixels over several files; give one file");
   const fs::path folder =
       fs::canonical(header.has_parent_path() ? header.parent_path() : fs::path("."), error);
   const fs::path target = error ? fs::path() : fs::weakly_canonical(folder / name, error);
@@ -36,6 +39,29 @@ Result<fs::path> pixel_file_beside(const fs::path& header, const std::string& na
   }
   SPLATLAS_RETURN_IF_ERROR(check_regular_file(target));
   return target;
+}
+
+std::optional<double> mm_of_unit(std::string_view unit) {
+  static constexpr std::pair<const char*, double> kUnits[] = {{"", 1},
+                                                              {"?", 1},
+                                                              {"mm", 1},
+                                                              {"millimet", 1},
+                                                              {"um", 1e-3},
+                                                              {"\xc2\xb5m", 1e-3},
+                                                              {"\xce\xbcm", 1e-3},
+                                                              {"micro", 1e-3},
+                                                              {"nm", 1e-6},
+                                                              {"nanomet", 1e-6},
+                                                              {"cm", 10},
+                                                              {"centimet", 10},
+                                                              {"m", 1000},
+                                                              {"met", 1000},
+                                                              {"in", 25.4}};
+  const std::string lower = to_lower(trimmed(unit));
+  const auto* found = std::ranges::find_if(kUnits, [&](const auto& one) {
+    return lower == one.first || (std::string_view(one.first).size() > 2 && lower.starts_with(one.first));
+  });
+  return found == std::end(kUnits) ? std::nullopt : std::optional(found->second);
 }
 
 Result<std::uint64_t> payload_bytes(const fs::path& path, std::span<const std::int64_t> sizes,

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -34,6 +35,8 @@ struct PixelData {
   std::uint64_t skipped_bytes = 0;               ///< decompressed bytes before the pixels
   Compression compression = Compression::kNone;  ///< else ITK reads the pixels
   bool is_big_endian = false;
+  bool is_plain = false;                    ///< uncompressed binary pixels, from `start` on
+  std::optional<double> mm_per_unit = 1.0;  ///< nullopt for an unknown unit
   std::size_t layers = 1;
   bool layers_first = false;                   ///< the layers of a voxel stand together
   bool has_no_space = false;                   ///< the axes of an NRRD file have no anatomical meaning
@@ -64,6 +67,9 @@ inline constexpr std::uint64_t kMaxDeflateRatio = 1100;
 
 /// Bytes beyond the pixels that are read to reach a compressed stream's checksum.
 inline constexpr std::uint64_t kMaxSurplus = 16u << 20;
+
+/// Millimetres of a unit such as "mm", "um" or "microns"; 1 without a text, nullopt for others.
+[[nodiscard]] std::optional<double> mm_of_unit(std::string_view unit);
 
 /// The product of sizes and `bytes_per_voxel`. kFailed for sizes below 1 or above kMaxAxisSize and for more
 /// than kMaxVoxels voxels, so that no later product overflows.

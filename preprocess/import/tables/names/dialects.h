@@ -19,6 +19,8 @@ inline constexpr std::size_t kNamesHeadBytes = 64 << 10;
 // Lists (read_lists.cpp).
 [[nodiscard]] bool recognise_itk_snap(std::string_view head);
 [[nodiscard]] Result<void> read_itk_snap(const NamesInput& input, NamesCollector& into);
+[[nodiscard]] bool recognise_fsleyes(std::string_view head);
+[[nodiscard]] Result<void> read_fsleyes(const NamesInput& input, NamesCollector& into);
 [[nodiscard]] bool recognise_ctbl(std::string_view head);
 [[nodiscard]] Result<void> read_ctbl(const NamesInput& input, NamesCollector& into);
 [[nodiscard]] bool recognise_freesurfer(std::string_view head);
@@ -31,6 +33,8 @@ inline constexpr std::size_t kNamesHeadBytes = 64 << 10;
 [[nodiscard]] Result<void> read_bids(const NamesInput& input, NamesCollector& into);
 [[nodiscard]] bool recognise_csv(std::string_view head);
 [[nodiscard]] Result<void> read_csv(const NamesInput& input, NamesCollector& into);
+[[nodiscard]] bool recognise_fsl(std::string_view head);
+[[nodiscard]] Result<void> read_fsl(const NamesInput& input, NamesCollector& into);
 
 // JSON (read_json.cpp).
 [[nodiscard]] bool recognise_niivue(std::string_view head);
@@ -41,6 +45,8 @@ inline constexpr std::size_t kNamesHeadBytes = 64 << 10;
 [[nodiscard]] Result<void> read_brainglobe(const NamesInput& input, NamesCollector& into);
 [[nodiscard]] bool recognise_open_anatomy(std::string_view head);
 [[nodiscard]] Result<void> read_open_anatomy(const NamesInput& input, NamesCollector& into);
+[[nodiscard]] bool recognise_dcmqi(std::string_view head);
+[[nodiscard]] Result<void> read_dcmqi(const NamesInput& input, NamesCollector& into);
 [[nodiscard]] bool recognise_json_map(std::string_view head);
 [[nodiscard]] Result<void> read_json_map(const NamesInput& input, NamesCollector& into);
 /// The hierarchy of a JSON file of names.

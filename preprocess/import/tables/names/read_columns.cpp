@@ -1,9 +1,11 @@
-// Tables with named columns, separated by commas, semicolons or tabs; also rows "label,name" without header.
+// Tables with named columns, separated by commas, semicolons or tabs; also rows "label,name" without header;
+// and FSL's atlases in XML.
 #include <algorithm>
 
 #include <fmt/format.h>
 
 #include "format/result_macros.h"
+#include "format/text/ascii_text.h"
 #include "preprocess/import/tables/names/dialects.h"
 #include "preprocess/import/tables/table_entries.h"
 #include "preprocess/import/tables/text_file.h"
@@ -13,20 +15,10 @@ namespace {
 
 /// True for a first row such as "1,spleen": it is no header.
 bool is_row(const std::vector<std::string>& header) {
-  return header.size() > 1 && parse_label(header[0]) && !parse_number(header[1]);
-}
-
-/// Gives columns to a table without a header: label, name, and one or three of the colour.
-void add_header(Table& table) {
-  table.rows.insert(table.rows.begin(), {1, table.columns});
-  static const std::vector<std::string> kShort{"label", "name", "color"};
-  static const std::vector<std::string> kLong{"label", "name", "r", "g", "b", "a"};
-  const std::vector<std::string>& all = table.columns.size() > 3 ? kLong : kShort;
-  const std::size_t known = std::min(table.columns.size(), all.size());
-  table.columns.resize(std::max(known, table.columns.size()));
-  for (std::size_t n = 0; n < table.columns.size(); ++n)
-    table.columns[n] = n < known ? all[n] : fmt::format("column {}", n + 1);
-  if (known == 4) table.columns[2] = "column 3", table.columns[3] = "column 4";
+  const auto is_label = [](const std::string& field) { return parse_label(field).has_value(); };
+  return header.size() > 1 && (is_label(header.front()) || is_label(header.back())) &&
+         !std::ranges::all_of(header,
+                              [](const std::string& field) { return parse_number(field).has_value(); });
 }
 
 // BIDS: _dseg.tsv with the columns index and name, in tabs.
@@ -74,6 +66,33 @@ Result<void> read_bids(const NamesInput& input, NamesCollector& into) {
     return input.refuse(std::string("line 1: the column \"") + name + "\" is missing; add it, in tabs");
   }
   return add_table(table, input, into);
+}
+
+// FSL's atlases: <label index="0" x="1" y="2" z="3">name</label>. Indices of probabilistic ones count maps
+// from 0; their label map counts from 1.
+
+bool recognise_fsl(std::string_view head) {
+  return head.find("<atlas") != std::string_view::npos && head.find("<label") != std::string_view::npos;
+}
+
+Result<void> read_fsl(const NamesInput& input, NamesCollector& into) {
+  std::string_view rest = input.text;
+  const bool counts_maps = to_lower(rest).find("<type>prob") != std::string::npos;
+  std::size_t number = 0;
+  while (const auto label = cut_between(rest, "<label", "</label>")) {
+    LabelName name;
+    name.line = ++number;
+    std::string_view attributes = label->substr(0, label->find('>'));
+    name.name = xml_text(label->substr(std::min(attributes.size() + 1, label->size())));
+    const auto index = cut_between(attributes, "index=\"", "\"");
+    const auto value = parse_integer(index.value_or(""));
+    if (value) {
+      into.add(fmt::to_string(*value + (counts_maps ? 1 : 0)), std::move(name));
+    } else {
+      into.add_fault(number, fmt::format("{} has no index", in_quotes(name.name)));
+    }
+  }
+  return {};
 }
 
 }  // namespace splatlas

@@ -1,5 +1,6 @@
 // Names and trees in JSON.
 #include <algorithm>
+#include <set>
 #include <unordered_map>
 
 #include <fmt/format.h>
@@ -93,8 +94,16 @@ class OpenAnatomyReader {
  public:
   explicit OpenAnatomyReader(NamesCollector& into) : into_(into) {}
 
+  /// The header's roots come first: they stay above their members where these name them again.
   void read(const Json& list) {
-    for (const Json& object : list) add(object);
+    std::set<std::string> roots;
+    for (const Json& object : list) {
+      add(object);
+      if (has_type(object, "Header"))
+        for_each(at(object, "root"), [&](const Json& root) { roots.insert(text_of(root)); });
+    }
+    std::ranges::stable_partition(lines_,
+                                  [&](const TreeLine& line) { return roots.contains(line.node->key); });
     for (TreeLine& line : lines_) {
       const auto parents = parents_.find(line.node->key);
       if (parents != parents_.end()) line.node->parents = parents->second;
@@ -161,10 +170,11 @@ struct Nested {
   std::string parent;  // its id
 };
 
-/// Nested structures as rows in depth-first order. The nesting tells the parent, often alone.
+/// Nested structures as rows in depth-first order. The nesting tells the parent, often alone. Groups may have
+/// no id: they get one that is no label.
 Table flatten(const Json& roots) {
   Table table;
-  table.columns = {"id", "name", "acronym", "color_hex_triplet", "parent_structure_id"};
+  table.columns = {"label", "id", "name", "acronym", "color_hex_triplet", "parent_structure_id"};
   std::vector<Nested> pending;
   const auto push_all = [&](const Json& list, const std::string& parent) {
     if (list.is_object()) pending.push_back({&list, parent});
@@ -178,8 +188,10 @@ Table flatten(const Json& roots) {
     const Nested next = pending.back();
     pending.pop_back();
     Table::Row row = row_of(*next.structure, table.rows.size() + 1, table.columns);
+    row.fields[0] = row.fields[1];
+    if (row.fields[1].empty()) row.fields[1] = fmt::format("entry {}", row.line);
     row.fields.back() = next.parent;
-    push_all(at(*next.structure, "children"), row.fields.front());
+    push_all(at(*next.structure, "children"), row.fields[1]);
     table.rows.push_back(std::move(row));
   }
   return table;
@@ -210,7 +222,8 @@ Result<void> read_open_anatomy(const NamesInput& input, NamesCollector& into) {
 }
 
 bool recognise_allen(std::string_view head) {
-  return is_json(head) && has_json_key(head, "children") && has_json_key(head, "id");
+  return is_json(head) && has_json_key(head, "children") &&
+         (has_json_key(head, "id") || has_json_key(head, "name"));
 }
 
 Result<void> read_allen(const NamesInput& input, NamesCollector& into) {
@@ -234,11 +247,35 @@ Result<void> read_brainglobe(const NamesInput& input, NamesCollector& into) {
   table.columns = {"id", "name", "acronym", "rgb_triplet", "structure_id_path"};
   for (std::size_t n = 0; n < json.size(); ++n) {
     if (!json[n].is_object()) {
-      into.add_fault(n + 1, fmt::format("entry {} is no object", n + 1));
+      into.add_fault(n + 1, "is no object");
       continue;
     }
     table.rows.push_back(row_of(json[n], n + 1, table.columns));
   }
+  return add_table(table, input, into);
+}
+
+// dcmqi's description of a DICOM segmentation: lists of segments, one a file.
+
+bool recognise_dcmqi(std::string_view head) {
+  return is_json(head) && has_json_key(head, "segmentAttributes");
+}
+
+Result<void> read_dcmqi(const NamesInput& input, NamesCollector& into) {
+  SPLATLAS_ASSIGN_OR_RETURN(const Json json, parse_json(input));
+  Table table;
+  table.columns = {"labelID", "SegmentLabel", "SegmentDescription", "recommendedDisplayRGBValue"};
+  const std::vector<std::string> codes{"CodingSchemeDesignator", "CodeValue"};
+  for_each(at(json, "segmentAttributes"), [&](const Json& file) {
+    for_each(file, [&](const Json& segment) {
+      Table::Row row = row_of(segment, table.rows.size() + 1, table.columns);
+      if (row.fields[1].empty()) row.fields[1] = row.fields[2];
+      for (std::string& code : row_of(at(segment, "SegmentedPropertyTypeCodeSequence"), 0, codes).fields)
+        row.fields.push_back(std::move(code));
+      table.rows.push_back(std::move(row));
+    });
+  });
+  table.columns = {"label", "name", "visible", "rgb", "type_codingscheme", "type_codevalue"};
   return add_table(table, input, into);
 }
 

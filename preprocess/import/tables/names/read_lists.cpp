@@ -1,5 +1,7 @@
-// Names in lists: a label, a name and perhaps a colour a line.
+// Names in lists: a label, a name and perhaps a colour a line, with blanks between them.
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -12,241 +14,259 @@
 namespace splatlas {
 namespace {
 
-// Rows "label name R G B A" of the colour tables of 3D Slicer and FreeSurfer.
-
-/// A row, split at blanks. The parts refer to the line.
-struct ColorRow {
-  std::string_view label;
-  std::string name;                      ///< words joined by one blank
-  std::vector<std::string_view> colors;  ///< R G B, and A if given
+/// A line that begins with a whole number. The parts refer to the text.
+struct ListRow {
+  std::size_t line = 0;
+  std::string_view text, label;
+  std::vector<std::string_view> words;  ///< behind the label; text in double quotes is one word
+  bool is_open = false;                 ///< a quote has no end
+  /// Numbers ahead of the name and behind it. The name has one word at least.
+  std::size_t numbers_first = 0, numbers_last = 0;
 };
 
-/// Statistics of the rows of a head: whether most lines are such rows, and the meaning of their last column.
-struct ColorRowsOfHead {
-  bool are_most = false;
-  bool are_transparencies = false;  ///< FreeSurfer: A is mostly 0, which is opaque there
+/// Where a list has its colours, by most of its rows.
+struct ListShape {
+  enum class Colors { kNone, kFirst, kLast } colors = Colors::kNone;
+  std::size_t numbers = 0;  ///< R G B, and A or further ones
 };
 
-bool is_whole(std::string_view word) {
-  return parse_integer(word).has_value();
+bool is_number(std::string_view word) {
+  const auto number = parse_number(word);
+  return number && std::isfinite(*number);
 }
 
-/// The number of words of the name: what is left of the colours.
-std::size_t count_name_words(const std::vector<std::string_view>& words) {
-  const auto numbers =
-      static_cast<std::size_t>(std::find_if_not(words.rbegin(), words.rend() - 1, is_whole) - words.rbegin());
-  if (words.size() == 5 && numbers >= 3) return 1;                  // without A
-  if (words.size() == 7 && numbers >= 5) return 1;                  // with a type
-  return words.size() >= 6 && numbers >= 4 ? words.size() - 5 : 0;  // names may be numbers
-}
-
-/// Splits "label name R G B [A [type]]". Nullopt unless the label is whole and the last words are colours.
-std::optional<ColorRow> split_color_row(std::string_view line) {
-  const std::vector<std::string_view> words = split_blanks(line);
-  if (words.empty() || !is_whole(words.front())) return std::nullopt;
-  const std::size_t count = count_name_words(words);
-  if (count == 0) return std::nullopt;
-  const std::span rest = std::span(words).subspan(1 + count);
-  return ColorRow{words.front(),
-                  fmt::format("{}", fmt::join(std::span(words).subspan(1, count), " ")),
-                  {rest.begin(), rest.end()}};
-}
-
-ColorRowsOfHead inspect_color_rows(std::string_view head) {
-  const std::vector<TextLine> lines = lines_of(head);
-  std::size_t rows = 0, zeros = 0;
-  for (const TextLine& line : lines) {
-    const auto row = split_color_row(line.text);
-    if (!row) continue;
-    ++rows;
-    if (row->colors.size() > 3 && row->colors[3] == "0") ++zeros;
-  }
-  return {2 * rows > lines.size(), 2 * zeros > rows};
-}
-
-/// Sets the colour that R, G and B are.
-void set_color(std::span<const std::string_view> rgb, LabelName& name, NamesCollector& into) {
-  const auto r = parse_channel(rgb[0]), g = parse_channel(rgb[1]), b = parse_channel(rgb[2]);
-  if (r && g && b) {
-    name.color = Rgb{*r, *g, *b};
-  } else {
-    into.add_bad_color(name.line, fmt::format("{} {} {}", rgb[0], rgb[1], rgb[2]));
-  }
-}
-
-/// Adds all rows. Lines that do not begin with a whole number are comments, as both programs take them. With
-/// `underscores_are_blanks`, "_" in a name is a blank. kFailed, with the first line, if none has colours.
-Result<void> add_color_rows(const NamesInput& input, bool underscores_are_blanks, NamesCollector& into) {
-  const std::vector<TextLine> lines = lines_of(input.text);
-  bool is_table = lines.empty();
-  for (const TextLine& line : lines) {
-    const std::vector<std::string_view> words = split_blanks(line.text);
-    if (!is_whole(words.front())) continue;
-    const auto row = split_color_row(line.text);
-    is_table = is_table || row;
-    LabelName name;
-    name.line = line.number;
-    if (!row) {
-      name.name = words.size() > 1 ? std::string(words[1]) : "";
-      into.add_bad_color(line.number, line.text);
-    } else {
-      name.name = row->name;
-      set_color(row->colors, name, into);
-    }
-    if (underscores_are_blanks) std::ranges::replace(name.name, '_', ' ');
-    into.add(words.front(), std::move(name));
-  }
-  if (is_table) return {};
-  return input.refuse(
-      fmt::format("line {}: {} is not: label name R G B A; correct it, or give another --names-format",
-                  lines.front().number, in_quotes(lines.front().text)));
-}
-
-// ITK-SNAP: label R G B A visible mesh "name".
-
-struct ItkSnapRow {
-  std::vector<std::string_view> numbers;  // the label first
-  std::string_view name;                  // between the first two quotes
-  bool is_open = false;                   // the name has no second quote
-};
-
-ItkSnapRow split_row(std::string_view line) {
-  const std::size_t open = std::min(line.find('"'), line.size());
-  ItkSnapRow row{split_blanks(line.substr(0, open)), line.substr(std::min(open + 1, line.size())), true};
-  if (const std::size_t close = row.name.find('"'); close != std::string_view::npos) {
-    row.name = row.name.substr(0, close);
-    row.is_open = false;
-  }
-  return row;
-}
-
-bool has_seven_numbers(const ItkSnapRow& row) {
-  return row.numbers.size() == 7 && std::ranges::all_of(row.numbers, [](std::string_view word) {
-           return parse_number(word).has_value();
-         });
-}
-
-// 3D Slicer's colour tables.
-constexpr std::string_view kTable = "# Color table file", kRamp = "# Color procedural file";
-
-// Lists of MRIcron, AAL and most others: label name [code].
-
-/// Words of a line. Text in double quotes is one word, without the quotes.
-struct Words {
-  std::vector<std::string_view> all;
-  bool last_is_quoted = false;
-  std::string_view unclosed;  ///< the text from a quote without an end
-};
-
-Words split_words(std::string_view line) {
-  Words words;
+std::vector<std::string_view> split_words(std::string_view line, bool& is_open) {
+  std::vector<std::string_view> words;
   for (line = trimmed(line); !line.empty(); line = trimmed(line)) {
-    const bool opens = line.front() == '"';
-    const bool is_quoted = opens && line.find('"', 1) != std::string_view::npos;
-    if (opens && !is_quoted) words.unclosed = line;
-    const std::size_t end = is_quoted ? line.find('"', 1) : std::min(line.find_first_of(" \t"), line.size());
-    words.all.push_back(is_quoted ? line.substr(1, end - 1) : line.substr(0, end));
-    words.last_is_quoted = is_quoted;
-    line.remove_prefix(is_quoted ? end + 1 : end);
+    const std::size_t close = line.front() == '"' ? line.find('"', 1) : std::string_view::npos;
+    is_open = is_open || (line.front() == '"' && close == std::string_view::npos);
+    const std::size_t end =
+        close != std::string_view::npos ? close + 1 : std::min(line.find_first_of(" \t"), line.size());
+    words.push_back(line.substr(0, end));
+    line.remove_prefix(end);
   }
   return words;
 }
 
-/// Parses what follows the label: a number after the name is the code.
-LabelName parse_name(std::string_view rest, const Words& words) {
-  LabelName result;
-  const std::optional<std::int64_t> number = parse_integer(words.all.back());
-  if (words.all.size() > 2 && !words.last_is_quoted && number) {
-    result.code = number;
-    rest = trimmed(rest.substr(0, rest.find_last_of(" \t")));
+/// Nullopt for a line that does not begin with a whole number.
+std::optional<ListRow> row_of(const TextLine& line) {
+  ListRow row{.line = line.number, .text = line.text, .label = split_blanks(line.text).front(), .words = {}};
+  if (!parse_integer(row.label)) return std::nullopt;
+  row.words = split_words(row.text.substr(row.label.size()), row.is_open);
+  if (row.words.empty()) return row;
+  const auto first = std::find_if_not(row.words.begin(), row.words.end() - 1, is_number);
+  const auto last = std::find_if_not(row.words.rbegin(), row.words.rend() - 1, is_number);
+  row.numbers_first = static_cast<std::size_t>(first - row.words.begin());
+  row.numbers_last = static_cast<std::size_t>(last - row.words.rbegin());
+  return row;
+}
+
+std::vector<ListRow> rows_of(const std::vector<TextLine>& lines) {
+  std::vector<ListRow> rows;
+  for (const TextLine& line : lines) {
+    if (auto row = row_of(line)) rows.push_back(std::move(*row));
   }
-  if (rest.size() > 1 && rest.front() == '"' && rest.back() == '"') rest = rest.substr(1, rest.size() - 2);
-  result.name = std::string(trimmed(rest));
-  return result;
+  return rows;
+}
+
+/// The numbers that most rows with three and more have, at most one of `kinds`, which ascend from 3. 0 unless
+/// most rows have three, or `some`.
+std::size_t numbers_of(std::span<const ListRow> rows, std::size_t ListRow::*numbers,
+                       std::span<const std::size_t> kinds, bool some) {
+  const auto having = [&](std::size_t count) {
+    return std::ranges::count_if(rows, [&](const ListRow& row) { return row.*numbers >= count; });
+  };
+  const auto colored = having(kinds.front());
+  if (colored == 0 || (!some && 2 * colored <= std::ssize(rows))) return 0;
+  const auto kind = std::find_if(kinds.rbegin(), kinds.rend(),
+                                 [&](std::size_t count) { return 2 * having(count) > colored; });
+  return *kind;
+}
+
+/// The shape with colours at `place`: R G B, A, type behind the name; R G B, A, visible and mesh ahead of it.
+ListShape shape_at(ListShape::Colors place, std::span<const ListRow> rows, bool some) {
+  static constexpr std::array<std::size_t, 3> kLast{3, 4, 5}, kFirst{3, 4, 6};
+  const bool is_last = place == ListShape::Colors::kLast;
+  return {place, numbers_of(rows, is_last ? &ListRow::numbers_last : &ListRow::numbers_first,
+                            is_last ? kLast : kFirst, some)};
+}
+
+ListShape shape_of(std::span<const ListRow> rows) {
+  for (const auto place : {ListShape::Colors::kLast, ListShape::Colors::kFirst}) {
+    if (const ListShape shape = shape_at(place, rows, false); shape.numbers > 0) return shape;
+  }
+  return {};
+}
+
+ListShape shape_of_head(std::string_view head) {
+  const std::vector<TextLine> lines = lines_of(head);
+  return shape_of(rows_of(lines));
+}
+
+std::string_view unquoted(std::string_view text) {
+  return text.size() > 1 && text.front() == '"' && text.back() == '"' ? text.substr(1, text.size() - 2)
+                                                                      : text;
+}
+
+/// The text of a row from a word on. A name in quotes ends with them.
+std::string_view text_from(const ListRow& row, std::size_t word) {
+  const std::string_view first = row.words[word];
+  if (first.front() == '"' && first.size() > 1 && first.back() == '"') return unquoted(first);
+  return trimmed(row.text.substr(static_cast<std::size_t>(first.data() - row.text.data())));
+}
+
+/// The channels of a row that has its colour where the list has it; else none.
+std::span<const std::string_view> channels_of(const ListRow& row, const ListShape& shape) {
+  const std::span words(row.words);
+  if (shape.colors == ListShape::Colors::kFirst)
+    return row.numbers_first >= shape.numbers ? words.first(shape.numbers) : words.first(0);
+  const bool has_type = shape.numbers == 4 && row.numbers_last == 5 && words.size() == 6;  // FreeSurfer
+  const std::size_t count = shape.numbers + (has_type ? 1 : 0);
+  return row.numbers_last >= shape.numbers ? words.last(count) : words.first(0);
+}
+
+/// Reads rows with colours. Lines without a label are comments where colours stand last, as 3D Slicer and
+/// FreeSurfer take them. With `underscores_are_blanks`, "_" in a name is a blank. kFailed, with the first
+/// line and `layout`, if no row has colours there.
+Result<void> read_color_rows(const NamesInput& input, ListShape::Colors place, const char* layout,
+                             bool underscores_are_blanks, NamesCollector& into) {
+  const bool are_last = place == ListShape::Colors::kLast;
+  const std::vector<TextLine> lines = lines_of(input.text);
+  const std::vector<ListRow> rows = rows_of(lines);
+  const ListShape shape = shape_at(place, rows, true);
+  if (shape.numbers == 0 && !lines.empty()) {
+    return input.refuse(fmt::format("line {}: {} is not: {}; correct it, or give another --names-format",
+                                    lines.front().number, in_quotes(lines.front().text), layout));
+  }
+  std::vector<std::string> colors;
+  for (const ListRow& row : rows) {
+    const auto channels = channels_of(row, shape);
+    colors.push_back(channels.empty() ? "" : fmt::format("{}", fmt::join(channels.first(3), " ")));
+  }
+  const double scale = scale_of_colors(colors);
+  auto row = rows.begin();
+  for (const TextLine& line : lines) {
+    if (row == rows.end() || row->line != line.number) {
+      if (!are_last) into.add_fault(line.number, fmt::format("{} is not: {}", in_quotes(line.text), layout));
+      continue;
+    }
+    const std::string& color = colors[static_cast<std::size_t>(row - rows.begin())];
+    const ListRow& one = *row++;
+    const std::size_t channels = channels_of(one, shape).size();
+    LabelName name;
+    name.line = line.number;
+    name.color = parse_table_color(color, scale);
+    if (!name.color) into.add_bad_color(line.number, color.empty() ? line.text : color);
+    if (are_last) {
+      const std::size_t words =
+          channels > 0 ? one.words.size() - channels : std::min<std::size_t>(1, one.words.size());
+      name.name = fmt::format("{}", fmt::join(std::span(one.words).first(words), " "));
+    } else if (channels == 0 || one.is_open) {
+      into.add_fault(line.number, one.is_open
+                                      ? fmt::format("{} has no closing quote; add it", in_quotes(line.text))
+                                      : fmt::format("{} is not: {}", in_quotes(line.text), layout));
+      continue;
+    } else {
+      name.name = text_from(one, channels);
+    }
+    if (underscores_are_blanks) std::ranges::replace(name.name, '_', ' ');
+    into.add(one.label, std::move(name));
+  }
+  return {};
+}
+
+// 3D Slicer's colour tables.
+constexpr std::string_view kTable = "# Color table file", kRamp = "# Color procedural file";
+constexpr const char* kColorsLast = "label name R G B A";
+
+/// The name of a list without colours: a number behind it is the code.
+LabelName name_of(const ListRow& row) {
+  LabelName name;
+  name.line = row.line;
+  if (row.words.empty()) return name;
+  std::string_view text = trimmed(row.text.substr(row.label.size()));
+  if (row.words.size() > 1 && (name.code = parse_integer(row.words.back())))
+    text = trimmed(text.substr(0, text.size() - row.words.back().size()));
+  if (row.words.back().starts_with('#') && row.words.size() > 1) {
+    name.color = parse_table_color(row.words.back());
+    if (name.color) text = trimmed(text.substr(0, text.size() - row.words.back().size()));
+  }
+  name.name = std::string(trimmed(unquoted(text)));
+  return name;
 }
 
 }  // namespace
 
 bool recognise_itk_snap(std::string_view head) {
-  const std::vector<TextLine> lines = lines_of(head);
-  const auto rows = std::ranges::count_if(lines, [](const TextLine& line) {
-    return line.text.find('"') != std::string::npos && has_seven_numbers(split_row(line.text));
-  });
-  return rows > 0 && 2 * static_cast<std::size_t>(rows) > lines.size();
+  const ListShape shape = shape_of_head(head);
+  return shape.colors == ListShape::Colors::kFirst && shape.numbers >= 6;
 }
 
 Result<void> read_itk_snap(const NamesInput& input, NamesCollector& into) {
-  for (const TextLine& line : lines_of(input.text)) {
-    const ItkSnapRow row = split_row(line.text);
-    if (!has_seven_numbers(row)) {
-      into.add_fault(line.number,
-                     fmt::format("{} is not: label R G B A visible mesh \"name\"", in_quotes(line.text)));
-      continue;
-    }
-    if (row.is_open) {
-      into.add_fault(line.number, fmt::format("{} has no closing quote; add it", in_quotes(row.name)));
-      continue;
-    }
-    LabelName name;
-    name.line = line.number;
-    name.name = std::string(row.name);
-    set_color(std::span(row.numbers).subspan(1), name, into);
-    into.add(row.numbers[0], std::move(name));
-  }
-  return {};
+  return read_color_rows(input, ListShape::Colors::kFirst, "label R G B A visible mesh \"name\"", false,
+                         into);
+}
+
+bool recognise_fsleyes(std::string_view head) {
+  return shape_of_head(head).colors == ListShape::Colors::kFirst;
+}
+
+Result<void> read_fsleyes(const NamesInput& input, NamesCollector& into) {
+  return read_color_rows(input, ListShape::Colors::kFirst, "label R G B name", false, into);
 }
 
 // FreeSurfer's colour tables, also those of FastSurfer with a header line: id name R G B A [type].
 // A is transparency, and a few tables hide structures by it. All are shown opaque here.
 
 bool recognise_freesurfer(std::string_view head) {
-  if (head.starts_with(kTable)) return false;
-  const ColorRowsOfHead rows = inspect_color_rows(head);
-  if (!rows.are_most) return false;
-  if (head.find("#No. Label Name") != std::string_view::npos || rows.are_transparencies) return true;
   const std::vector<TextLine> lines = lines_of(head);
-  const std::vector<std::string_view> first = split_blanks(lines.front().text);
-  return first.size() > 1 && first[0] == "ID" && first[1] == "LabelName";
+  const std::vector<ListRow> rows = rows_of(lines);
+  const ListShape shape = shape_of(rows);
+  if (shape.colors != ListShape::Colors::kLast || head.starts_with(kTable)) return false;
+  const auto zeros = std::ranges::count_if(rows, [&](const ListRow& row) {
+    const auto channels = channels_of(row, shape);
+    return channels.size() > 3 && channels[3] == "0";
+  });
+  return 2 * static_cast<std::size_t>(zeros) > rows.size() ||
+         lines.front().text.starts_with("ID\tLabelName") ||
+         head.find("#No. Label Name") != std::string_view::npos;
 }
 
 Result<void> read_freesurfer(const NamesInput& input, NamesCollector& into) {
-  return add_color_rows(input, false, into);
+  return read_color_rows(input, ListShape::Colors::kLast, kColorsLast, false, into);
 }
 
 bool recognise_ctbl(std::string_view head) {
-  return head.starts_with(kTable) || head.starts_with(kRamp) || inspect_color_rows(head).are_most;
+  return head.starts_with(kTable) || head.starts_with(kRamp) ||
+         shape_of_head(head).colors == ListShape::Colors::kLast;
 }
 
 Result<void> read_ctbl(const NamesInput& input, NamesCollector& into) {
   if (input.text.starts_with(kRamp)) {
     return input.refuse("line 1: is a colour ramp (\"Color procedural file\"), which names no labels");
   }
-  return add_color_rows(input, true, into);
+  return read_color_rows(input, ListShape::Colors::kLast, kColorsLast, true, into);
 }
 
 bool recognise_mricron(std::string_view head) {
   const std::vector<TextLine> lines = lines_of(head);
-  return !lines.empty() && parse_integer(split_blanks(lines.front().text).front());
+  return !lines.empty() && row_of(lines.front());
 }
 
+// Lists of MRIcron, AAL and most others: label name [code].
 Result<void> read_mricron(const NamesInput& input, NamesCollector& into) {
   for (const TextLine& line : lines_of(input.text)) {
-    const std::string_view text = line.text;
-    const std::string_view label = split_blanks(text).front();
-    const Words words = split_words(text);
-    if (!words.unclosed.empty() && parse_label(label) != 0) {
-      into.add_fault(line.number, fmt::format("{} has no closing quote; add it", in_quotes(words.unclosed)));
-      continue;
-    }
-    if (const auto row = split_color_row(text); row && row->colors.size() > 3) {
+    const auto row = row_of(line);
+    if (!row) {
+      into.add(split_blanks(line.text).front(), LabelName{{}, line.number, {}});
+    } else if (row->is_open && parse_label(row->label) != 0) {
+      into.add_fault(line.number, fmt::format("{} has no closing quote; add it", in_quotes(line.text)));
+    } else if (row->numbers_last > 3 || row->numbers_first > 2) {
       into.add_fault(line.number,
-                     fmt::format("{} has a colour; it is a row of a colour table", in_quotes(text)));
-      continue;
+                     fmt::format("{} has a colour; it is a row of a colour table", in_quotes(line.text)));
+    } else {
+      into.add(row->label, name_of(*row));
     }
-    LabelName name;
-    if (words.all.size() > 1) name = parse_name(trimmed(text.substr(label.size())), words);
-    name.line = line.number;
-    into.add(label, std::move(name));
   }
   return {};
 }

@@ -13,7 +13,7 @@
 namespace splatlas {
 namespace {
 
-const NoteKind kNamesFormat{"names-format", "", "", false};
+const NoteKind kNamesFormat{"names-format", "", "", false, true};
 
 struct Dialect {
   NamesFormatInfo info;
@@ -32,13 +32,17 @@ constexpr std::array kDialects{
             recognise_brainglobe,
             read_brainglobe},
     Dialect{{NamesFormat::kAllen, "allen", "Allen structure graph"}, recognise_allen, read_allen},
+    Dialect{
+        {NamesFormat::kDcmqi, "dcmqi", "description of a DICOM segmentation"}, recognise_dcmqi, read_dcmqi},
     Dialect{{NamesFormat::kJson, "json", "JSON class map"}, recognise_json_map, read_json_map},
     Dialect{{NamesFormat::kFreeSurfer, "freesurfer", "FreeSurfer colour table"},
             recognise_freesurfer,
             read_freesurfer},
-    Dialect{{NamesFormat::kCtbl, "ctbl", "3D Slicer colour table"}, recognise_ctbl, read_ctbl},
     Dialect{{NamesFormat::kBids, "bids", "BIDS segmentation table"}, recognise_bids, read_bids},
     Dialect{{NamesFormat::kCsv, "csv", "table with columns (CSV or TSV)"}, recognise_csv, read_csv},
+    Dialect{{NamesFormat::kCtbl, "ctbl", "3D Slicer colour table"}, recognise_ctbl, read_ctbl},
+    Dialect{{NamesFormat::kFslEyes, "fsleyes", "FSLeyes colour table"}, recognise_fsleyes, read_fsleyes},
+    Dialect{{NamesFormat::kFsl, "fsl", "FSL atlas"}, recognise_fsl, read_fsl},
     Dialect{{NamesFormat::kMricron, "mricron", "list of labels and names"}, recognise_mricron, read_mricron},
 };
 

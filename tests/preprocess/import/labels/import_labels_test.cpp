@@ -75,10 +75,24 @@ TEST(ImportLabels, RefusesWhatIsNoLabelWithItsValue) {
   EXPECT_THAT(read_row<std::int16_t>(VoxelType::kInt16, {0, -3}, "a.nii").error().message,
               AllOf(HasSubstr("a.nii"), HasSubstr("-3")));
   EXPECT_THAT(read_row<float>(VoxelType::kFloat32, {0, 1.5f}, "a").error().message, HasSubstr("1.5"));
-  EXPECT_THAT(read_row<float>(VoxelType::kFloat32, {0, std::nanf("")}, "a").error().message,
-              HasSubstr("nan"));
+  EXPECT_THAT(read_row<float>(VoxelType::kFloat32, {1.002f}, "a").error().message, HasSubstr("1.002"));
   EXPECT_THAT(read_row<float>(VoxelType::kFloat32, {INFINITY}, "a").error().message, HasSubstr("inf"));
   EXPECT_FALSE(read_row<double>(VoxelType::kFloat64, {4294967296.0}, "a"));
+}
+
+TEST(ImportLabels, RoundsAndTakesNanForBackground) {
+  const auto labels =
+      read_row<float>(VoxelType::kFloat32, {1.000001f, std::nanf(""), 2.9995f, -1e-4f, std::nanf("")}, "a");
+  ASSERT_TRUE(labels) << labels.error().message;
+  EXPECT_THAT(names_of(*labels), testing::ElementsAre("Label 1", "Label 3"));
+  EXPECT_EQ(holder(*labels, 1), -1);
+  EXPECT_EQ(holder(*labels, 2), 1);
+  EXPECT_THAT(items_of(labels->notes, "rounded-labels"), testing::ElementsAre("a (by at most 0.0005)"));
+  EXPECT_THAT(items_of(labels->notes, "nan-voxels"), testing::ElementsAre("a (2)"));
+  const auto large = read_row<float>(VoxelType::kFloat32, {16777218.0f}, "a");
+  EXPECT_THAT(items_of(large->notes, "inexact-labels"), testing::ElementsAre("a"));
+  const auto any = read_label_map(source(row<float>(VoxelType::kFloat32, {1.4f, 7.5f})), "a", true);
+  EXPECT_THAT(names_of(any.value()), testing::ElementsAre("Label 1", "Label 8"));
 }
 
 TEST(ImportLabels, BackgroundAloneIsANote) {
@@ -86,6 +100,12 @@ TEST(ImportLabels, BackgroundAloneIsANote) {
   ASSERT_TRUE(labels);
   EXPECT_TRUE(labels->structures.empty());
   EXPECT_THAT(messages_of(labels->notes), testing::ElementsAre("1 label map holds background only: a.nii"));
+}
+
+NamesTable table(std::vector<LabelName> names) {
+  NamesTable result;
+  result.names = std::move(names);
+  return result;
 }
 
 LabelName name(std::int64_t label, const std::string& text) {
@@ -99,18 +119,18 @@ TEST(NameLabels, CountsWhatDoesNotFit) {
   const auto labels = read_row<std::uint8_t>(VoxelType::kUInt8, {1, 2, 3}, "a.nii");
   ASSERT_TRUE(labels);
   ImportedLabels named = *labels;
-  EXPECT_TRUE(name_labels(named, {name(2, "two"), name(1, "one"), name(3, "three")}, false));
+  EXPECT_TRUE(name_labels(named, table({name(2, "two"), name(1, "one"), name(3, "three")}), false));
   EXPECT_THAT(names_of(named), testing::ElementsAre("one", "two", "three"));
   EXPECT_TRUE(named.notes.empty());
 
   named = *labels;
-  EXPECT_TRUE(name_labels(named, {name(1, "one"), name(9, "nine"), name(8, "eight")}, false));
+  EXPECT_TRUE(name_labels(named, table({name(1, "one"), name(9, "nine"), name(8, "eight")}), false));
   EXPECT_THAT(names_of(named), testing::ElementsAre("one", "Label 2", "Label 3"));
   EXPECT_THAT(messages_of(named.notes),
               testing::ElementsAre("2 names have no voxels and are dropped: nine (9), eight (8)",
                                    "2 labels have no names and are called \"Label N\": 2, 3"));
   named = *labels;
-  EXPECT_TRUE(name_labels(named, {name(1, "one"), name(9, "nine"), name(8, "eight")}, true));
+  EXPECT_TRUE(name_labels(named, table({name(1, "one"), name(9, "nine"), name(8, "eight")}), true));
   EXPECT_THAT(names_of(named), testing::ElementsAre("one", "Label 2", "Label 3", "eight", "nine"));
   EXPECT_EQ(named.structures[4].label, 9);
 }
@@ -118,13 +138,29 @@ TEST(NameLabels, CountsWhatDoesNotFit) {
 TEST(NameLabels, RefusesNamesOfWhichNoneFits) {
   ImportedLabels labels = *read_row<std::uint8_t>(VoxelType::kUInt8, {1, 2, 3, 4}, "a.nii");
   EXPECT_THAT(
-      name_labels(labels, {name(9, "nine"), name(8, "eight")}, false).error().message,
-      HasSubstr("line 0 is nine (9), and the first structure is Label 1 (1); give the table of these"));
+      name_labels(labels, table({name(9, "nine"), name(8, "eight")}), false).error().message,
+      HasSubstr("the first is nine (9), and the first structure is Label 1 (1); give the table of these"));
   ImportedLabels segments;
   segments.structures.emplace_back().name = "Liver";
-  EXPECT_THAT(name_labels(segments, {name(1, "one")}, false).error().message,
+  EXPECT_THAT(name_labels(segments, table({name(1, "one")}), false).error().message,
               HasSubstr("the first structure is Liver; masks and overlapping segments have no labels"));
-  EXPECT_TRUE(name_labels(segments, {}, false));
+  EXPECT_TRUE(name_labels(segments, NamesTable(), false));
+  NamesTable unlabelled = table({name(9, "nine")});
+  unlabelled.columns = {"Weight", "Region"};
+  EXPECT_THAT(name_labels(labels, unlabelled, false).error().message,
+              HasSubstr("no column of labels was found in Weight, Region; call it \"label\""));
+}
+
+/// Rows that count from 0 name every label wrongly.
+TEST(NameLabels, WarnsOfTablesThatCountFromZero) {
+  ImportedLabels labels = *read_row<std::uint8_t>(VoxelType::kUInt8, {1, 2}, "a.nii");
+  NamesTable from_zero = table({name(1, "heart")});
+  for (const auto& [zero, warnings] : {std::pair("liver", 1u), {"Clear Label", 0u}}) {
+    ImportedLabels named = labels;
+    from_zero.zero_name = zero;
+    EXPECT_TRUE(name_labels(named, from_zero, false));
+    EXPECT_EQ(items_of(named.notes, "counts-from-0").size(), warnings);
+  }
 }
 
 /// Masks, and labels that a header names, take colours and codes by their names.
@@ -133,7 +169,7 @@ TEST(NameLabels, FindsStructuresByName) {
   named.structures[0].name = "Spleen";
   LabelName spleen = name(77, "spleen");
   spleen.color = Rgb{1, 2, 3};
-  EXPECT_TRUE(name_labels(named, {spleen}, false));
+  EXPECT_TRUE(name_labels(named, table({spleen}), false));
   EXPECT_EQ(named.structures[0].color, (Rgb{1, 2, 3}));
   EXPECT_EQ(named.structures[0].label, 1);
   EXPECT_THAT(messages_of(named.notes),
@@ -147,7 +183,7 @@ TEST(NameLabels, FindsMasksByTheirKey) {
   LabelName lung;
   lung.name = "Right lung";
   lung.key = "right_lung";
-  EXPECT_TRUE(name_labels(named, {lung}, false));
+  EXPECT_TRUE(name_labels(named, table({lung}), false));
   EXPECT_EQ(named.structures[0].name, "Right lung");
   EXPECT_TRUE(named.notes.empty());
 }
@@ -159,10 +195,14 @@ TEST(ImportLabels, RecognisesGreyValues) {
     ramp.push_back(static_cast<std::uint8_t>(1 + n % 64));
     blocks.push_back(static_cast<std::uint8_t>(1 + n / 2 % 64));
   }
-  EXPECT_THAT(
-      read_row<std::uint8_t>(VoxelType::kUInt8, ramp, "t1.nii").error().message,
-      AllOf(HasSubstr("t1.nii: looks like grey values"), HasSubstr("64 values in"), HasSubstr("--volume")));
-  EXPECT_TRUE(read_row<std::uint8_t>(VoxelType::kUInt8, blocks, "aal.nii"));
+  ImportedLabels grey = read_row<std::uint8_t>(VoxelType::kUInt8, ramp, "t1.nii").value();
+  EXPECT_THAT(check_doubt(grey).error().message, AllOf(HasSubstr("t1.nii: looks like grey values"),
+                                                       HasSubstr("64 values in"), HasSubstr("--volume")));
+  for (SourceStructure& structure : grey.structures) structure.name = "contact";
+  EXPECT_TRUE(check_doubt(grey));
+  EXPECT_TRUE(
+      check_doubt(*read_label_map(source(row<std::uint8_t>(VoxelType::kUInt8, ramp)), "t1.nii", true)));
+  EXPECT_TRUE(check_doubt(*read_row<std::uint8_t>(VoxelType::kUInt8, blocks, "aal.nii")));
 }
 
 TEST(ImportMasks, RefusesFoldersThatAreNoMasks) {

@@ -49,6 +49,40 @@ TEST_F(JsonDialects, ReadsAllensGraph) {
   EXPECT_THAT(error("{\"msg\": \"failed\", \"id\": 0, \"children\": 1}"), HasSubstr("holds no structures"));
 }
 
+/// Groups of trees such as siibra's have names alone.
+TEST_F(JsonDialects, ReadsGroupsWithoutIds) {
+  const auto table =
+      read(R"({"name": "Body", "children": [{"name": "Thorax", "children": [{"name": "heart", "id": 2}]},
+                                                            {"name": "spine", "id": 3}]})");
+  ASSERT_TRUE(table) << table.error().message;
+  EXPECT_THAT(summaries(table->names), ElementsAre("2 heart", "3 spine"));
+  ASSERT_EQ(table->hierarchy.size(), 4u);
+  EXPECT_THAT(table->hierarchy[1].node->parents, ElementsAre(table->hierarchy[0].node->key));
+  EXPECT_THAT(table->hierarchy[2].node->parents, ElementsAre(table->hierarchy[1].node->key));
+  EXPECT_THAT(table->hierarchy[3].node->parents, ElementsAre(table->hierarchy[0].node->key));
+}
+
+TEST_F(JsonDialects, ReadsDcmqi) {
+  const auto list = names(R"({"ContentCreatorName": "Reader1", "segmentAttributes": [[{"labelID": 1,
+      "SegmentDescription": "liver", "recommendedDisplayRGBValue": [204, 51, 26], "SegmentedPropertyTypeCodeSequence":
+      {"CodeValue": "10200004", "CodingSchemeDesignator": "SCT"}}], [{"labelID": 2, "SegmentLabel": "heart"}]]})",
+                          NamesFormat::kDcmqi);
+  EXPECT_THAT(summaries(list), ElementsAre("1 liver #cc331a", "2 heart"));
+  EXPECT_THAT(list[0].terms, ElementsAre(Term{"SNOMED", "10200004"}));
+}
+
+/// The header's root stays above a member that names it again, wherever it stands in the file.
+TEST_F(JsonDialects, PutsRootsOfOpenAnatomyFirst) {
+  const auto table =
+      read(R"([{"@id": "t", "@type": "Group", "annotation": {"name": "Thorax"}, "member": ["s", "b"]},
+    {"@id": "b", "@type": "Group", "annotation": {"name": "Body"}, "member": ["t"]},
+    {"@id": "h", "@type": "Header", "root": ["b"]},
+    {"@id": "s", "@type": "Structure", "annotation": {"name": "heart"},
+     "sourceSelector": {"@type": "LabelMapSelector", "dataKey": 1}}])");
+  ASSERT_TRUE(table) << table.error().message;
+  EXPECT_EQ(table->hierarchy[0].node->name, "Body");
+}
+
 TEST_F(JsonDialects, TellsKeysFromValues) {
   const std::string text =
       R"({"id": 1, "name": "R", "acronym" : "G", "children" : [{"id": 2, "name": "B"}]})";
@@ -63,7 +97,7 @@ TEST_F(JsonDialects, ReadsBrainGlobe) {
   EXPECT_EQ(table->dialect, NamesFormat::kBrainGlobe);
   EXPECT_THAT(summaries(table->names), ElementsAre("9999 root #fffffe", "2 a"));
   EXPECT_THAT(table->hierarchy[1].node->parents, ElementsAre("id:9999"));
-  EXPECT_THAT(items("faulty-rows"), ElementsAre(HasSubstr("entry 3 is no object")));
+  EXPECT_THAT(items("faulty-rows"), ElementsAre("names.txt entry 3: is no object"));
 }
 
 TEST_F(JsonDialects, ReadsOpenAnatomy) {

@@ -40,12 +40,6 @@ TEST_F(ReadNames, KeepsTheFirstOfTwoRowsOfALabel) {
   EXPECT_TRUE(notes_.all().front().kind.is_warning);
 }
 
-TEST_F(ReadNames, KeepsNamesAndColoursThatStandTwice) {
-  EXPECT_EQ(names("1 A 9 9 9 0\n2 B 9 9 9 0\n3 a 9 9 9 0\n", NamesFormat::kFreeSurfer).size(), 3u);
-  EXPECT_THAT(items("duplicate-names"), ElementsAre("\"a\""));
-  EXPECT_THAT(items("duplicate-colors"), ElementsAre("#090909"));
-}
-
 TEST_F(ReadNames, NumbersLabelsWithoutAName) {
   EXPECT_THAT(summaries(names("4 A\n5\n6 \"\"\n", NamesFormat::kMricron)),
               ElementsAre("4 A", "5 Label 5", "6 Label 6"));

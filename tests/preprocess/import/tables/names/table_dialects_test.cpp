@@ -60,6 +60,44 @@ TEST_F(TableDialects, ReadsTablesWithoutAHeader) {
               ElementsAre("1 spleen #010203", "2 x #040506"));
 }
 
+TEST_F(TableDialects, FindsColumnsByTheirValues) {
+  EXPECT_THAT(summaries(names("ROI,Region Name,Side\n1,liver,R\n2,heart,R\n", NamesFormat::kCsv)),
+              ElementsAre("1 liver", "2 heart"));
+  EXPECT_THAT(
+      summaries(names("Region,RegionName,Shown as\n7,liver,#ff0000\n9,heart,#00f\n", NamesFormat::kCsv)),
+      ElementsAre("7 liver #ff0000", "9 heart #0000ff"));
+  const auto two = read("No_,name,Volume\n1,liver,12\n2,heart,15\n", NamesFormat::kCsv);
+  ASSERT_TRUE(two);
+  EXPECT_FALSE(two->names[0].label);
+  EXPECT_THAT(two->columns, ElementsAre("No_", "name", "Volume"));
+  EXPECT_THAT(summaries(names("spleen;0.5;1;0;5\nliver;0;0;1;3\n", NamesFormat::kCsv)),
+              ElementsAre("5 spleen #80ff00", "3 liver #0000ff"));
+}
+
+TEST_F(TableDialects, ScalesFractionsByTheWholeColumn) {
+  EXPECT_THAT(summaries(names("label,name,r,g,b\n1,A,1,0,0\n2,B,0,1,0.2\n", NamesFormat::kCsv)),
+              ElementsAre("1 A #ff0000", "2 B #00ff33"));
+  EXPECT_THAT(summaries(names("label,name,r,g,b\n1,A,1,0,0\n2,B,0,2,0\n", NamesFormat::kCsv)),
+              ElementsAre("1 A #010000", "2 B #000200"));
+}
+
+TEST_F(TableDialects, ReadsFslsAtlases) {
+  const std::string labels =
+      "<data><label index=\"0\" x=\"1\">A &amp; B</label><label "
+      "index=\"4\">C</label><label>D</label></data></atlas>";
+  EXPECT_THAT(
+      summaries(names("<?xml version=\"1.0\"?>\n<atlas><type>Label</type>" + labels, NamesFormat::kFsl)),
+      ElementsAre("4 C"));
+  EXPECT_THAT(items("faulty-rows"), ElementsAre("names.txt entry 3: \"D\" has no index"));
+  EXPECT_THAT(summaries(names("<atlas><type>Probabilistic</type>" + labels, NamesFormat::kFsl)),
+              ElementsAre("1 A & B", "5 C"));
+}
+
+TEST_F(TableDialects, RefusesWorkbooks) {
+  EXPECT_THAT(error("PK\3\4" + std::string(20, '\0')),
+              HasSubstr("is a workbook (Excel, LibreOffice) or an archive"));
+}
+
 TEST_F(TableDialects, ReadsTermsOfOtherVocabularies) {
   const auto list = names(
       "label,name,name_de,acronym,synonyms,code,SNOMED,FMA "
@@ -111,6 +149,33 @@ TEST_F(TableDialects, ReadsTheHierarchy) {
   EXPECT_THAT(table->hierarchy[1].node->parents, ElementsAre("id:10"));
   EXPECT_THAT(table->hierarchy[2].node->parents, ElementsAre("id:1"));
   EXPECT_EQ(table->hierarchy[2].node->label, 2);
+}
+
+std::vector<std::string> parents_of_last(const NamesTable& table) {
+  return table.hierarchy.back().node->parents;
+}
+
+/// Groups are listed regions or names, never ids of regions that no row has.
+TEST_F(TableDialects, MakesNoGroupsOfIds) {
+  const std::string rows = "id,name,path\n997,Body,/997/\n8,Thorax,/997/8/\n";
+  const auto unlisted = read(rows + "2,heart,/997/8/35/\n");
+  ASSERT_EQ(unlisted->hierarchy.size(), 3u);
+  EXPECT_THAT(parents_of_last(*unlisted), ElementsAre("id:35", "id:8"));  // build_graph() counts the first
+  const auto two = read("id,name,parent\n10,A,\n11,B,\n2,heart,10;11\n");
+  ASSERT_EQ(two->hierarchy.size(), 3u);
+  EXPECT_THAT(parents_of_last(*two), ElementsAre("id:10", "id:11"));
+}
+
+TEST_F(TableDialects, ReadsPathsWithAnglesAndLevels) {
+  for (const char* text :
+       {"id,name,path\n1,liver,Body > Abdomen > liver\n", "id,level1,level 2,name\n1,Body,Abdomen,liver\n"}) {
+    const auto table = read(text);
+    ASSERT_EQ(table->hierarchy.size(), 3u) << text;
+    EXPECT_EQ(table->hierarchy[0].node->name, "Body");
+    EXPECT_EQ(table->hierarchy[1].node->name, "Abdomen");
+    EXPECT_EQ(table->hierarchy[2].node->name, "liver");
+    EXPECT_THAT(parents_of_last(*table), ElementsAre(table->hierarchy[1].node->key));
+  }
 }
 
 }  // namespace

@@ -74,6 +74,21 @@ TEST_F(TextDialects, NeverTakesColoursForNames) {
   EXPECT_THAT(items("bad-colors"), ElementsAre(HasSubstr("300 0 0"), HasSubstr("4 D 7 x 7 0")));
 }
 
+/// All rows decide where the colours stand, and whether they are fractions.
+TEST_F(TextDialects, ReadsColoursWhereAllRowsHaveThem) {
+  EXPECT_THAT(summaries(names("1 0.8 0.2 0.1 liver\r\n2 1 0 0 left heart\n3 0.9 0.9 0.7 Area 4\n",
+                              NamesFormat::kFslEyes)),
+              ElementsAre("1 liver #cc331a", "2 left heart #ff0000", "3 Area 4 #e6e6b3"));
+  EXPECT_THAT(summaries(names("1 204 51 26 1 1 1 liver\n2 255 0 0 1 1 1 Area 4\n", NamesFormat::kItkSnap)),
+              ElementsAre("1 liver #cc331a", "2 Area 4 #ff0000"));
+  EXPECT_THAT(summaries(names("1 liver 203.9 51.2 25.8 255\n2 heart 255 0 0 127.5\n", NamesFormat::kCtbl)),
+              ElementsAre("1 liver #cc331a", "2 heart #ff0000"));
+  EXPECT_THAT(summaries(names("1\tLeft lung\t1\t0.5\t0\n2\tAorta\t0\t0\t1\n", NamesFormat::kCtbl)),
+              ElementsAre("1 Left lung #ff8000", "2 Aorta #0000ff"));
+  EXPECT_THAT(summaries(names("1 liver #cc331a\n2 left lung #00f\n", NamesFormat::kMricron)),
+              ElementsAre("1 liver #cc331a", "2 left lung #0000ff"));
+}
+
 TEST_F(TextDialects, ReadsAalsFile) {
   const auto list = names("1 Precentral_L 2001\r\n2 Precentral_R 2002\r\n\r\n", NamesFormat::kMricron);
   EXPECT_THAT(summaries(list), ElementsAre("1 Precentral_L", "2 Precentral_R"));
