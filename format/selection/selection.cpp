@@ -195,6 +195,20 @@ Result<std::vector<StructureIndex>> find_target(const StructureGraph& graph, con
   return std::vector{labelled};
 }
 
+/// "; write "Left-Hippocampus" in quotes" if removals from a term on spell a structure's name; else "".
+std::string remedy_for(const SelectionTerm& term, std::span<const SelectionTerm> terms,
+                       const StructureGraph& graph) {
+  auto n = static_cast<std::size_t>(&term - terms.data());
+  while (n > 0 && terms[n].remove) --n;
+  std::string name = terms[n].name;
+  while (++n < terms.size() && terms[n].remove) {
+    name += "-" + terms[n].name;
+    if (name.find('*') == std::string::npos && graph.find(name))
+      return fmt::format("; write {} in quotes", in_quotes(name));
+  }
+  return {};
+}
+
 Result<void> for_each_term(
     std::span<const SelectionTerm> terms, const StructureGraph& graph,
     const std::function<void(const SelectionTerm&, std::uint32_t, std::span<const StructureIndex>)>& take) {
@@ -203,7 +217,8 @@ Result<void> for_each_term(
     check_task();
     const auto found = targets.find(term);
     if (found) return graph.descendants(*found);
-    return fail(found.error().code, "selection, column {}: {}", term.column + 1, found.error().message);
+    return fail(found.error().code, "selection, column {}: {}{}", term.column + 1, found.error().message,
+                remedy_for(term, terms, graph));
   };
   const std::vector<std::size_t> order = application_order(terms);
 

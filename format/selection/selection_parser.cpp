@@ -63,7 +63,7 @@ class Parser {
     }
     skip_blanks();
     if (next_is('(')) {
-      if (remove) return fault("a removal takes no options");
+      if (remove) return fault("a removal takes no options; quote a name that holds a \"-\"");
       ++at_;
       SPLATLAS_RETURN_IF_ERROR(options(result));
       if (result.ghost && result.mode == DrawMode::kOff) result.mode = DrawMode::kSurface;

@@ -15,69 +15,10 @@
 namespace splatlas {
 namespace {
 
-constexpr const char* kBuildExamples = R"(Examples:
-  splatlas-preprocess build -o brain.atlas --labels aal.nii.gz --names aal.nii.txt --volume ch2.nii.gz
-  splatlas-preprocess build -o body.atlas --labels segmentations/ --volume ct.nii.gz
-  splatlas-preprocess build -o knee.atlas --labels knee.mha --volume knee_ct.mha --mesh Screw=screw.stl
-  splatlas-preprocess build -o head.atlas --volume t1.nii.gz --segment Head=threshold:otsu:close=2
-
-Volumes: NIfTI-1, NIfTI-2 and Analyze (.nii, .nii.gz, .hdr with .img), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd),
-FreeSurfer (.mgz, .mgh); DICOM, a folder or a file; TIFF or PNG, one file or a folder of slices, with --spacing; the
-folder of a BrainGlobe atlas.
-
-Labels: a label map, every value above 0 a structure; a segmentation of 3D Slicer (.seg.nrrd) or DICOM with its names,
-colours and layers; the folder of a BrainGlobe atlas with names and tree; or a folder of one mask file per structure,
-as TotalSegmentator writes: file names become structure names, and masks may overlap. Labels and volume may have
-different grids: the labels' stays, unless --resample volume.
-
-Surfaces: STL, OBJ, PLY, VTK polygons (.vtk, .vtp) and GIFTI (.gii), alone or beside labels. Their frame is that of the
-option, else of the file (SPACE= of 3D Slicer; GIFTI is RAS), else the one that fits the labels. A transform is a text
-file of 4 x 4 numbers. What lies beyond the grid is cut off, unless --fit-grid widens it.
-
-Notes and warnings tell what is odd, one line a kind. --report and --json list all cases; --strict stops at a warning.
-
-Names: tables of ITK-SNAP, 3D Slicer (.ctbl, .txt, .csv), FreeSurfer (colour LUT), BIDS (dseg.tsv), MRIcron, niivue and
-Open Anatomy (JSON), Allen and BrainGlobe (structures.json); CSV or TSV with a header row or just label,name; lines of
-"label name [code]". The dialect is detected; --names-format overrides it. Synonyms, languages (name_de) and codes of
-ontologies (SNOMED, FMA, ...) are columns of CSV. Labels without a name become "Label 7"; names without voxels are
-dropped. A hierarchy in the table is the tree if there is no --tree.
-
-Tree: )";
-
-constexpr const char* kBuildExamplesEnd = R"(
-
-Segments: each --segment claims unassigned voxels, in command-line order.
-  NAME=mask:FILE[:open=MM][:overlap]    non-zero voxels of another volume; an opening with a ball of radius MM removes
-                                        thin parts that other structures leave; with :overlap also voxels of others
-  NAME=threshold:LOW[:HIGH][:close=MM]  grey values from LOW to HIGH: the largest connected piece, gaps up to twice
-                                        MM closed, holes filled
-  NAME=threshold:otsu[:close=MM]        the same from Otsu's threshold on
-  NAME=iso:LEVEL[,inside=STRUCTURE]     grey values from LEVEL on, within a label, a mask, an earlier segment or a group
-                                        of them; the surface is the isosurface of the grey values, closed midway
-                                        between voxels at the border of the grid and of STRUCTURE
-Isosurfaces may overlap other structures, and take no voxels from them.
-
-Fragments: face-connected components of few voxels beside the largest one of their structure. A note counts those of
-fewer than 100 voxels. --drop-fragments N removes those of fewer than N voxels from all labels, masks and segments,
-NAME=N from one of them. 0 keeps them without a note. Dropped voxels within other structures go to these; others become
-background, or get into later segments.
-
-Scenes: named views, in the order of the lesson; `splatlas-player` plays them, and renders one by --scene NAME.
-  [[scene]]
-  name = "Basal ganglia"
-  select = "Brain:surface(opacity=0.2) + Putamen*:surface"    # as of splatlas-player render --select
-  question = "Which nucleus is red?"                          # may be left out, as all below
-  caption = "Putamen, lateral of the globus pallidus"         # lines between """ and """ stay lines
-  azimuth = 90        # degrees: 0 looks at the anterior side, 90 at the left
-  elevation = 10
-  view = "superior"   # in place of the two: anterior, posterior, left, right, superior or inferior
-  zoom = 1.2          # relative to the fit of the selection
-  projection = "perspective"
-  center = "Thalamus_L"
-  cuts = ["anterior=20"]
-  labels = ["Putamen*"]   # what --annotate labels names; without it, the largest structures
-
-Exit status: 0 done; 1 could not be done; 2 wrong usage. A failed or interrupted build leaves nothing behind.)";
+/// A text, as a raw string.
+constexpr const char* kBuildHelp =
+#include "preprocess/commands/build_help.txt"
+    ;
 
 std::string check_text(const std::string& text) {
   const std::string fault = fault_of_text(text);
@@ -154,7 +95,7 @@ CLI::App* add_build(CLI::App& app, BuildRequest& request) {
   BuildOptions& options = request.options;
   CLI::App* build =
       app.add_subcommand("build", "Make an atlas from volumes, labels, names, trees and surfaces");
-  build->footer(std::string(kBuildExamples) + kTreeFormat + kBuildExamplesEnd);
+  build->footer(kBuildHelp);
   build->add_option("-o,--output", options.output, "atlas file to write")->required()->check(names_a_file());
   add_sources(*build, options.sources);
   build

@@ -10,18 +10,9 @@
 namespace splatlas {
 namespace {
 
-constexpr const char* kExportExamples = R"(Examples:
-  splatlas-preprocess export brain.atlas --labels labels.nii.gz --volume volume.nii.gz
-  splatlas-preprocess export brain.atlas --surface Cerebellum=cerebellum.stl --surface 'Vermis*=vermis.ply'
-  splatlas-preprocess export body.atlas --labels masks/
-  splatlas-preprocess export brain.atlas --names names.csv --tree brain.tree
-
-Volumes (.nii, .nii.gz, .nrrd, .mha) have the source's grid, order of axes and pixel type. Surfaces (.stl, .obj, .ply,
-.vtk) are in LPS mm; a group's surfaces are those of all its descendants. Masks are named by their ids; ids that are no
-safe file names are changed, and a note lists them. Masks are .nii.gz files, or .nrrd if the grid is sheared or has an
-axis of more than 32767 voxels.
-
-Exit status: 0 done; 1 could not be done; 2 wrong usage; 3 not a valid atlas; 4 name not found.)";
+constexpr const char* kExportExamples =
+#include "preprocess/commands/export_help.txt"
+    ;
 
 /// Splits NAME=FILE at the first "="; kUsage if a side is empty.
 Result<std::pair<std::string, std::filesystem::path>> parse_surface(std::string_view text) {

@@ -14,19 +14,9 @@
 namespace splatlas {
 namespace {
 
-constexpr const char* kLessonExamples = R"(Examples:
-  splatlas-preprocess lesson brain.atlas --scene lesson.toml -o lesson.atlas
-  splatlas-preprocess lesson brain.atlas --scene surfaces.toml --scene cuts.toml -o lesson.atlas
-
-A file of scenes, as of build --scene:
-  [[scene]]
-  name = "Basal ganglia"
-  select = "Brain:surface(ghost) + Putamen*:surface"
-  caption = "Putamen, lateral of the globus pallidus"
-build --help describes all keys. The new atlas has these scenes alone, in the order of files and lines. Everything else
-is copied byte by byte. ATLAS comes before --scene.
-
-Exit status: 0 done; 1 could not be done; 2 wrong usage; 3 not a valid atlas. A failure leaves nothing behind.)";
+constexpr const char* kLessonExamples =
+#include "preprocess/commands/lesson_help.txt"
+    ;
 
 }  // namespace
 

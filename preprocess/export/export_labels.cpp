@@ -127,48 +127,13 @@ std::string note_changed_names(const std::vector<std::string>& ids, const std::v
                      changed == 1 ? "name" : "names", list);
 }
 
-/// The class volume in the order of the source, and the slices of each class.
-class ClassSlices {
- public:
-  explicit ClassSlices(const AtlasContent& content)
-      : stored_(content.class_volume),
-        slice_(static_cast<std::size_t>(content.source_grid.size[0] * content.source_grid.size[1])),
-        range_(content.classes.size(), {std::numeric_limits<std::size_t>::max(), 0}) {
-    if (!content.source_to_storage.is_identity()) {
-      reordered_.resize(stored_.size());
-      reorder_voxels(stored_.data(), storage_grid(content).size, inverse(content.source_to_storage),
-                     sizeof(ClassId), reordered_.data());
-      stored_ = reordered_;
-    }
-    TaskPace pace;
-    for (std::size_t v = 0; v < stored_.size(); ++v) {
-      pace.step();
-      auto& [first, end] = range_[stored_[v]];
-      first = std::min(first, v / slice_);
-      end = std::max(end, v / slice_ + 1);
-    }
-  }
-
-  [[nodiscard]] MaskSlices mask_of(std::span<const StructureClass> members) const {
-    std::size_t first = std::numeric_limits<std::size_t>::max(), end = 0;
-    for (const StructureClass& member : members) {
-      first = std::min(first, range_[member.id].first);
-      end = std::max(end, range_[member.id].second);
-    }
-    if (end == 0) return {};
-    const std::vector<std::uint8_t> parts = parts_of(members, range_.size());
-    MaskSlices mask{static_cast<std::int64_t>(first), std::vector<std::byte>((end - first) * slice_)};
-    for (std::size_t v = 0; v < mask.voxels.size(); ++v)
-      mask.voxels[v] = std::byte{parts[stored_[first * slice_ + v]] != 0};
-    return mask;
-  }
-
- private:
-  std::span<const ClassId> stored_;
-  std::vector<ClassId> reordered_;
-  std::size_t slice_;
-  std::vector<std::pair<std::size_t, std::size_t>> range_;
-};
+VoxelBuffer mask_of(std::span<const StructureClass> members, const AtlasContent& content) {
+  const std::vector<std::uint8_t> parts = parts_of(members, content.classes.size());
+  VoxelBuffer stored{VoxelType::kUInt8, std::vector<std::byte>(content.class_volume.size())};
+  std::ranges::transform(content.class_volume, stored.bytes.begin(),
+                         [&](ClassId c) { return std::byte{parts[c] != 0}; });
+  return to_source_order(stored, content);
+}
 
 Result<ExportedMasks> write_masks(const AtlasContent& content, const fs::path& path, OutputFolder& folder) {
   const StructureClasses structure_classes(content.classes, content.graph.size());
@@ -177,9 +142,8 @@ Result<ExportedMasks> write_masks(const AtlasContent& content, const fs::path& p
   for (const StructureIndex s : masked) ids.push_back(content.graph[s].id);
   const std::string ending = mask_ending(content.source_grid);
   const std::vector<std::string> files = file_names_of(ids, ending);
-  const ClassSlices slices(content);
   const auto encode = [&](std::size_t n) {
-    return encode_mask_file(content.source_grid, slices.mask_of(structure_classes.of(masked[n])),
+    return encode_mask_file({content.source_grid, mask_of(structure_classes.of(masked[n]), content)},
                             path / files[n]);
   };
   const std::size_t at_once = std::clamp(std::thread::hardware_concurrency(), 1u, 4u);  // bounds the memory

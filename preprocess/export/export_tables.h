@@ -17,7 +17,7 @@ namespace splatlas {
 /// Properties of the structures that a names file of this dialect loses, as words: "colours"; "" for none.
 [[nodiscard]] std::string losses_of(const StructureGraph& graph, NamesFormat format);
 
-/// The hierarchy as a tree file (kTreeFormat), with colours: a line for each path of each structure.
+/// The hierarchy as a tree file, with colours: a line for each path of each structure.
 /// Structures whose name is not unique, or would not be read as a name, are written as their id. kLimit for a
 /// text of more than kMaxTextBytes: paths may be exponential in structures.
 [[nodiscard]] Result<std::string> tree_text(const StructureGraph& graph);

@@ -8,17 +8,15 @@
 #include <cstddef>
 #include <cstring>
 #include <limits>
+#include <span>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nifti1_io.h>
-#include <vnl/algo/vnl_determinant.h>
-#include <vnl/algo/vnl_matrix_inverse.h>
-#include <vnl/vnl_matrix_fixed.h>
-#include <vnl/vnl_vector_fixed.h>
 
 #include "format/result_macros.h"
 #include "preprocess/import/images/import_image.h"
+#include "preprocess/import/images/nifti/nifti_header.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
 #include "preprocess/import/import_error.h"
 
@@ -30,21 +28,33 @@ namespace fs = std::filesystem;
 constexpr std::array<std::int16_t, 9> kTypes{DT_NONE,   DT_UINT8, DT_INT8,    DT_UINT16, DT_INT16,
                                              DT_UINT32, DT_INT32, DT_FLOAT32, DT_FLOAT64};
 
-/// The nearest orthonormal axes and the origin, in RAS.
-mat44 orthonormal_axes_ras(const Grid& grid) {
-  const auto ras = [&](std::size_t row, std::size_t axis) {
-    const auto number = static_cast<float>(grid.direction_lps[3 * row + axis]);
-    return row < 2 ? -number : number;
-  };
-  const mat44 rows = nifti_make_orthog_mat44(ras(0, 0), ras(1, 0), ras(2, 0), ras(0, 1), ras(1, 1), ras(2, 1),
-                                             ras(0, 2), ras(1, 2), ras(2, 2));
-  mat44 axes = rows;
+/// The axes and the origin, in RAS.
+mat44 axes_ras(const Grid& grid) {
+  mat44 axes{};
   for (std::size_t row = 0; row < 3; ++row) {
-    for (std::size_t a = 0; a < 3; ++a) axes.m[row][a] = rows.m[a][row];
-    const auto origin = static_cast<float>(grid.origin_lps_mm[row]);
-    axes.m[row][3] = row < 2 ? -origin : origin;
+    const float sign = row < 2 ? -1.f : 1.f;
+    for (std::size_t a = 0; a < 3; ++a)
+      axes.m[row][a] = sign * static_cast<float>(grid.direction_lps[3 * row + a]);
+    axes.m[row][3] = sign * static_cast<float>(grid.origin_lps_mm[row]);
   }
   return axes;
+}
+
+/// Replaces axes by the nearest orthonormal ones. False for sheared ones, which stay.
+bool make_orthonormal(mat44& axes) {
+  const auto& m = axes.m;
+  const mat44 rows = nifti_make_orthog_mat44(m[0][0], m[1][0], m[2][0], m[0][1], m[1][1], m[2][1], m[0][2],
+                                             m[1][2], m[2][2]);
+  constexpr float kMaxShear = 1e-4f;
+  mat44 nearest = axes;
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      nearest.m[row][a] = rows.m[a][row];
+      if (!(std::abs(nearest.m[row][a] - m[row][a]) <= kMaxShear)) return false;
+    }
+  }
+  axes = nearest;
+  return true;
 }
 
 /// The map from voxel indices.
@@ -78,8 +88,9 @@ nifti_1_header make_header(const Grid& grid, VoxelType type) {
   h.xyzt_units = NIFTI_UNITS_MM;
   std::copy_n("n+1", 4, h.magic);
 
-  const mat44 axes = orthonormal_axes_ras(grid);
-  h.qform_code = h.sform_code = NIFTI_XFORM_SCANNER_ANAT;
+  mat44 axes = axes_ras(grid);
+  h.sform_code = NIFTI_XFORM_SCANNER_ANAT;
+  h.qform_code = make_orthonormal(axes) ? NIFTI_XFORM_SCANNER_ANAT : NIFTI_XFORM_UNKNOWN;
   nifti_mat44_to_quatern(axes, &h.quatern_b, &h.quatern_c, &h.quatern_d, &h.qoffset_x, &h.qoffset_y,
                          &h.qoffset_z, nullptr, nullptr, nullptr, &h.pixdim[0]);
   const mat44 sform = scaled_axes(axes, grid);
@@ -93,75 +104,12 @@ nifti_1_header make_header(const Grid& grid, VoxelType type) {
   return h;
 }
 
-mat44 sform_of(const nifti_1_header& h) {
-  mat44 sform{};
-  std::copy_n(h.srow_x, 4, sform.m[0]);
-  std::copy_n(h.srow_y, 4, sform.m[1]);
-  std::copy_n(h.srow_z, 4, sform.m[2]);
-  sform.m[3][3] = 1;
-  return sform;
-}
-
-mat44 qform_of(const nifti_1_header& h) {
-  return nifti_quatern_to_mat44(h.quatern_b, h.quatern_c, h.quatern_d, h.qoffset_x, h.qoffset_y, h.qoffset_z,
-                                h.pixdim[1], h.pixdim[2], h.pixdim[3], h.pixdim[0]);
-}
-
-using Matrix = vnl_matrix_fixed<float, 3, 3>;
-using Affine4 = vnl_matrix_fixed<float, 4, 4>;
-
-Matrix linear_part(const Affine4& affine) {
-  return affine.extract(3, 3, 0, 0);
-}
-
-/// True if single precision suffices to invert the sform, and its columns have the lengths of the spacings.
-bool is_well_conditioned(const Affine4& sform, const nifti_1_header& h) {
-  if (std::abs(vnl_determinant(sform)) <= 1e-5) return false;
-  const Matrix linear = linear_part(sform);
-  const Affine4 inverse = vnl_matrix_inverse<float>(sform.as_matrix()).as_matrix();
-  const Matrix inverse_linear = vnl_matrix_inverse<float>(linear.as_matrix()).as_matrix();
-  const vnl_vector_fixed<float, 3> offset(inverse[0][3], inverse[1][3], inverse[2][3]);
-  const vnl_vector_fixed<float, 3> origin(sform[0][3], sform[1][3], sform[2][3]);
-  constexpr float kMaxDifference = 1e-2f;
-  if ((linear_part(inverse) - inverse_linear).array_one_norm() > kMaxDifference) return false;
-  if ((offset + inverse_linear * origin).one_norm() > kMaxDifference) return false;
-  constexpr float kMaxSpacingDifference = 1e-3f;
-  for (unsigned a = 0; a < 3; ++a) {
-    const float length = linear.get_column(a).magnitude();
-    if (std::abs(h.pixdim[a + 1] - length) > kMaxSpacingDifference) return false;
-  }
-  return true;
-}
-
-/// True if ITK reads the sform, false for the qform, whose rotation is less exact. Limits are ITK 5.2's.
-bool itk_reads_sform(const mat44& sform, const mat44& qform, const nifti_1_header& h) {
-  const Affine4 s(&sform.m[0][0]), q(&qform.m[0][0]);  // with the same origin
-  return linear_part(s).is_equal(linear_part(q), 1e-5) || is_well_conditioned(s, h);
-}
-
-/// The grid that ITK reads from a header.
-Grid grid_of(const nifti_1_header& h) {
-  const mat44 sform = sform_of(h), qform = qform_of(h);
-  const mat44 to_ras = itk_reads_sform(sform, qform, h) ? sform : qform;
-  Grid grid;
-  for (std::size_t a = 0; a < 3; ++a) {
-    grid.size[a] = h.dim[a + 1];
-    grid.spacing_mm[a] = h.pixdim[a + 1];
-    const double length = std::hypot(to_ras.m[0][a], to_ras.m[1][a], to_ras.m[2][a]);
-    for (std::size_t row = 0; row < 3; ++row)
-      grid.direction_lps[3 * row + a] = (row < 2 ? -1 : 1) * double{to_ras.m[row][a]} / length;
-    grid.origin_lps_mm[a] = (a < 2 ? -1 : 1) * double{to_ras.m[a][3]};
-  }
-  return grid;
-}
-
 /// True if import_image() reads the grid from the header.
-bool holds(const nifti_1_header& h, const Grid& grid) {
-  const Grid read = grid_of(h);
-  const mat44 sform = sform_of(h);
-  return std::ranges::all_of(sform.m,
-                             [](const auto& row) { return std::ranges::all_of(row, is_plausible); }) &&
-         validate(read, "") && check_same_grid(grid, "", read, "");
+bool holds(const std::string& header, const Grid& grid, const fs::path& path) {
+  const auto parsed = parse_nifti_header(std::as_bytes(std::span(header)), path);
+  Notes notes;
+  const Result<Grid> read = parsed ? nifti_grid(*parsed, path, notes) : tl::unexpected(parsed.error());
+  return read && check_same_grid(grid, "", *read, "");
 }
 
 // Headers of NRRD and MetaImage files.
@@ -203,10 +151,10 @@ Result<std::string> nifti_header(const Grid& grid, VoxelType type, const fs::pat
                     fmt::join(grid.size, " x "), kMaxSize);
   }
   const nifti_1_header header = make_header(grid, type);
-  if (!holds(header, grid))
-    return bad_file(path, "this format cannot hold the volume's geometry; write .nrrd");
   std::string bytes(sizeof(header) + 4, '\0');
   std::memcpy(bytes.data(), &header, sizeof(header));
+  if (!holds(bytes, grid, path))
+    return bad_file(path, "this format cannot hold the volume's geometry; write .nrrd");
   return bytes;
 }
 

@@ -19,8 +19,9 @@ namespace splatlas {
 [[nodiscard]] std::string meta_image_header(const Grid& grid, VoxelType type, std::uint64_t compressed_bytes);
 
 /// The same of a NIfTI-1 file, 352 bytes, with ITK's conventions: qform and sform in RAS, both with code 1,
-/// in single precision and with orthonormal axes. kFailed, with `path`, if ITK would read another grid from
-/// them (check_same_grid()), and for more than 32767 voxels along an axis.
+/// in single precision and with orthonormal axes. Sheared axes have an sform alone. kFailed, with `path`, if
+/// import_image() would read another grid from them (check_same_grid()), and for more than 32767 voxels along
+/// an axis.
 [[nodiscard]] Result<std::string> nifti_header(const Grid& grid, VoxelType type,
                                                const std::filesystem::path& path);
 

@@ -1,9 +1,7 @@
 #include "preprocess/export/write_image.h"
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
-#include <iterator>
 #include <new>
 #include <optional>
 #include <span>
@@ -24,8 +22,8 @@ using Bytes = std::span<const std::byte>;
 /// Takes the bytes of a file, piece by piece. Not called before the header is known to hold the image.
 using Sink = std::function<Result<void>(Bytes)>;
 
-/// Compression of ITK's writers.
-constexpr int kNiftiLevel = 6, kTextHeaderLevel = 2;
+/// Compression of ITK's writers, and of masks.
+constexpr int kNiftiLevel = 6, kTextHeaderLevel = 2, kMaskLevel = 1;
 
 /// kFailed for a geometry that import_image() refuses.
 Result<void> check_readable(const Grid& grid, const fs::path& path) {
@@ -46,11 +44,11 @@ Bytes bytes_of_text(const std::string& text) {
   return std::as_bytes(std::span(text));
 }
 
-Result<void> write_nifti(const Image& image, const fs::path& path, const Sink& sink) {
+Result<void> write_nifti(const Image& image, const fs::path& path, int level, const Sink& sink) {
   SPLATLAS_ASSIGN_OR_RETURN(const std::string header, nifti_header(image.grid, image.voxels.type, path));
   if (to_lower(path.extension().string()) == ".gz") {
-    return deflate_in_pieces({bytes_of_text(header), image.voxels.bytes}, DeflateWrapper::kGzip, kNiftiLevel,
-                             path, sink);
+    return deflate_in_pieces({bytes_of_text(header), image.voxels.bytes}, DeflateWrapper::kGzip, level, path,
+                             sink);
   }
   SPLATLAS_RETURN_IF_ERROR(sink(bytes_of_text(header)));
   return sink(image.voxels.bytes);
@@ -77,13 +75,13 @@ Result<void> write_meta_image(const Image& image, const fs::path& path, const Si
   return {};
 }
 
-/// Writes everything into a sink.
-Result<void> write_whole(const Image& image, const fs::path& path, const Sink& sink) {
+/// Writes everything into a sink; NIfTI's compression has `level`.
+Result<void> write_whole(const Image& image, const fs::path& path, int level, const Sink& sink) {
   SPLATLAS_ASSIGN_OR_RETURN(const ImageFormat format, writable_image_format(path));
   SPLATLAS_RETURN_IF_ERROR(check_readable(image.grid, path));
   try {
     switch (format) {
-      case ImageFormat::kNifti: return write_nifti(image, path, sink);
+      case ImageFormat::kNifti: return write_nifti(image, path, level, sink);
       case ImageFormat::kNrrd: return write_nrrd(image, path, sink);
       case ImageFormat::kMetaImage: break;
     }
@@ -108,7 +106,7 @@ Result<ImageFormat> writable_image_format(const fs::path& path) {
 
 Result<OutputFile> write_image(const Image& image, const fs::path& path) {
   std::optional<OutputFile> file;
-  SPLATLAS_RETURN_IF_ERROR(write_whole(image, path, [&](Bytes piece) -> Result<void> {
+  SPLATLAS_RETURN_IF_ERROR(write_whole(image, path, kNiftiLevel, [&](Bytes piece) -> Result<void> {
     if (!file) {
       SPLATLAS_ASSIGN_OR_RETURN(file, OutputFile::create(path));
     }
@@ -117,29 +115,13 @@ Result<OutputFile> write_image(const Image& image, const fs::path& path) {
   return std::move(*file);
 }
 
-Result<std::vector<std::byte>> encode_mask_file(const Grid& grid, const MaskSlices& mask,
-                                                const fs::path& path) {
-  SPLATLAS_ASSIGN_OR_RETURN(const ImageFormat format, writable_image_format(path));
-  SPLATLAS_RETURN_IF_ERROR(check_readable(grid, path));
-  const auto slice = static_cast<std::uint64_t>(grid.size[0]) * static_cast<std::uint64_t>(grid.size[1]);
-  const std::uint64_t before = slice * static_cast<std::uint64_t>(mask.first);
-  try {
-    std::vector<std::byte> file;
-    GzipRuns packed;
-    if (format == ImageFormat::kNifti) {
-      SPLATLAS_ASSIGN_OR_RETURN(const std::string header, nifti_header(grid, VoxelType::kUInt8, path));
-      packed.add(bytes_of_text(header));
-    } else {
-      std::ranges::copy(bytes_of_text(nrrd_header(grid, VoxelType::kUInt8)), std::back_inserter(file));
-    }
-    packed.add_zeros(before);
-    packed.add(mask.voxels);
-    packed.add_zeros(static_cast<std::uint64_t>(grid.voxels()) - before - mask.voxels.size());
-    std::ranges::copy(packed.finish(), std::back_inserter(file));
-    return file;
-  } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::kLimit, "{}: cannot be written: out of memory", path.string());
-  }
+Result<std::vector<std::byte>> encode_mask_file(const Image& mask, const fs::path& path) {
+  std::vector<std::byte> file;
+  SPLATLAS_RETURN_IF_ERROR(write_whole(mask, path, kMaskLevel, [&](Bytes piece) -> Result<void> {
+    file.insert(file.end(), piece.begin(), piece.end());
+    return {};
+  }));
+  return file;
 }
 
 }  // namespace splatlas

@@ -21,14 +21,8 @@ enum class ImageFormat { kNifti, kNrrd, kMetaImage };
 /// Cost: compresses in pieces; .mha keeps the compressed voxels in memory.
 [[nodiscard]] Result<OutputFile> write_image(const Image& image, const std::filesystem::path& path);
 
-/// Slices of a mask: uint8, 1 inside. All others are 0.
-struct MaskSlices {
-  std::int64_t first = 0;
-  std::vector<std::byte> voxels;
-};
-
-/// A mask's file, .nii.gz or .nrrd by `path`; errors as of write_image(). Cost: that of `mask`. Thread-safe.
-[[nodiscard]] Result<std::vector<std::byte>> encode_mask_file(const Grid& grid, const MaskSlices& mask,
+/// The file of a mask, compressed fast: its runs are long. Errors as of write_image(). Thread-safe.
+[[nodiscard]] Result<std::vector<std::byte>> encode_mask_file(const Image& mask,
                                                               const std::filesystem::path& path);
 
 }  // namespace splatlas

@@ -55,20 +55,6 @@ vtkNew<vtkPolyData> to_polygons(std::span<const SurfaceMesh> surfaces, const Gri
   return polygons;
 }
 
-std::vector<Corners> corners_of(std::span<const SurfaceMesh> surfaces, const Grid& grid) {
-  const Affine to_mm = index_to_lps_mm(grid);
-  std::vector<Corners> corners;
-  TaskPace pace;
-  for (const SurfaceMesh& surface : surfaces) {
-    const auto at = [&](std::uint32_t vertex) {
-      const auto& [i, j, k] = surface.positions_ijk[vertex];
-      return to_mm.apply({i, j, k});
-    };
-    for (const auto& [a, b, c] : surface.triangles) pace.step(), corners.push_back({at(a), at(b), at(c)});
-  }
-  return corners;
-}
-
 /// "smoothed 1" if any surface is smoothed; else empty.
 std::string comment_of(std::span<const SurfaceMesh> surfaces) {
   constexpr auto kSmooth = static_cast<std::uint32_t>(SurfaceRule::kSmooth);
@@ -140,32 +126,12 @@ Result<bool> write_as(MeshFormat format, vtkPolyData& polygons, const std::strin
   return write_with<vtkPolyDataWriter>(polygons, comment, file.temporary());
 }
 
-/// Compares within the precision of VTK's text output, six digits.
-bool is_same(const Vec3& a, const Vec3& b) {
-  constexpr double kTolerance = 1e-5;
-  for (std::size_t n = 0; n < 3; ++n) {
-    if (!(std::abs(a[n] - b[n]) <= kTolerance * std::max(1.0, std::abs(a[n])))) return false;
-  }
-  return true;
-}
-
-/// True for triangles that may degenerate when rounded to six digits.
-bool is_thin(const Corners& corners) {
-  constexpr double kThinness = 1e-4;
-  const Vec3 a = difference(corners[1], corners[0]), b = difference(corners[2], corners[0]);
-  const auto [x, y, z] = cross(a, b);
-  const double area = std::hypot(x, y, z);
-  const double longest = std::max(std::hypot(a[0], a[1], a[2]), std::hypot(b[0], b[1], b[2]));
-  return !(area > kThinness * longest * std::max(1.0, longest));
-}
-
 /// The coordinate farthest from 0.
-double largest_coordinate_mm(std::span<const Corners> triangles) {
+double largest_coordinate_mm(vtkPolyData& polygons) {
   double largest = 0;
-  for (const Corners& corners : triangles) {
-    for (const Vec3& corner : corners) {
-      for (const double mm : corner) largest = std::abs(mm) > std::abs(largest) ? mm : largest;
-    }
+  for (vtkIdType p = 0; p < polygons.GetNumberOfPoints(); ++p) {
+    for (const double mm : std::span(polygons.GetPoint(p), 3))
+      largest = std::abs(mm) > std::abs(largest) ? mm : largest;
   }
   return largest;
 }
@@ -174,18 +140,6 @@ double largest_coordinate_mm(std::span<const Corners> triangles) {
 double rounding_step_mm(double mm) {
   const float size = std::abs(static_cast<float>(mm));
   return static_cast<double>(std::nextafter(size, HUGE_VALF)) - static_cast<double>(size);
-}
-
-/// The triangle as a file holds it.
-Corners rounded(Corners corners) {
-  for (Vec3& corner : corners) {
-    for (double& mm : corner) mm = static_cast<double>(static_cast<float>(mm));
-  }
-  return corners;
-}
-
-bool loses_triangles(std::span<const Corners> triangles) {
-  return std::ranges::any_of(triangles, [](const Corners& c) { return is_thin(rounded(c)) && !is_thin(c); });
 }
 
 /// Surfaces have positions in 1/256 voxel: up to the limit, single precision tells them apart.
@@ -201,27 +155,6 @@ tl::unexpected<Error> too_far(const fs::path& path, double largest_mm, double ed
 
 }  // namespace
 
-bool holds_triangles(const TriangleMesh& file, std::span<const Corners> written) {
-  std::size_t next = 0;
-  TaskPace pace;
-  for (const Corners& corners : written) {
-    pace.step();
-    const auto is_next = [&] {
-      const auto& triangle = file.triangles[next];
-      for (std::size_t n = 0; n < 3; ++n) {
-        if (!is_same(corners[n], file.positions_lps_mm[triangle[n]])) return false;
-      }
-      return true;
-    };
-    if (next < file.triangles.size() && is_next()) {
-      ++next;
-    } else if (!is_thin(corners)) {
-      return false;
-    }
-  }
-  return next == file.triangles.size();
-}
-
 Result<MeshFormat> writable_mesh_format(const fs::path& path) {
   Result<MeshFormat> format = mesh_format(path);
   if (!format) {
@@ -235,18 +168,17 @@ Result<MeshFormat> writable_mesh_format(const fs::path& path) {
 
 Result<OutputFile> write_mesh(std::span<const SurfaceMesh> surfaces, const Grid& grid, const fs::path& path) {
   SPLATLAS_ASSIGN_OR_RETURN(const MeshFormat format, writable_mesh_format(path));
-  const std::vector<Corners> corners = corners_of(surfaces, grid);
-  const double largest_mm = largest_coordinate_mm(corners), edge_mm = std::ranges::min(grid.spacing_mm);
+  const vtkNew<vtkPolyData> polygons = to_polygons(surfaces, grid);
+  const double largest_mm = largest_coordinate_mm(*polygons), edge_mm = std::ranges::min(grid.spacing_mm);
   constexpr double kMaxStep = 0.25;  // voxels
   if (std::abs(largest_mm) > kMaxMeshMm || rounding_step_mm(largest_mm) > kMaxStep * edge_mm)
     return too_far(path, largest_mm, edge_mm);
   SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(path));
-  const vtkNew<vtkPolyData> polygons = to_polygons(surfaces, grid);
   SPLATLAS_ASSIGN_OR_RETURN(const bool written, write_as(format, *polygons, comment_of(surfaces), file));
   // Read back: VTK detects a full disk only for some formats, and lost bytes for none.
   const auto back = read_mesh_here(file.temporary(), format);
-  if (written && back && holds_triangles(back->mesh, corners)) return file;
-  if (written && loses_triangles(corners)) return too_far(path, largest_mm, edge_mm);
+  const auto triangles = static_cast<std::size_t>(polygons->GetNumberOfPolys());
+  if (written && back && back->mesh.triangles.size() + back->mesh.dropped == triangles) return file;
   return bad_file(path, "cannot be written whole; is the disk full?");
 }
 

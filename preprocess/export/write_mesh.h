@@ -12,13 +12,6 @@
 
 namespace splatlas {
 
-/// Corners of a triangle, LPS mm.
-using Corners = std::array<Vec3, 3>;
-
-/// True if the file contains the written triangles in order, within the precision of text files. Degenerate
-/// triangles, which importers drop, may be missing.
-[[nodiscard]] bool holds_triangles(const TriangleMesh& file, std::span<const Corners> written);
-
 /// Output format by file extension; kUsage for unknown extensions.
 [[nodiscard]] Result<MeshFormat> writable_mesh_format(const std::filesystem::path& path);
 

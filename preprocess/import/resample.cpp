@@ -146,4 +146,18 @@ double overlap(const Grid& grid, const Grid& other) {
   return static_cast<double>(inside) / (kPoints * kPoints * kPoints);
 }
 
+/// The voxels around a grid that it lacks to be another one, in storage order; nullopt unless it is a part of
+/// it.
+std::optional<Margin> margin_within(const Grid& part, const Grid& whole) {
+  const Grid inner = reordered(part, storage_order(part)), outer = reordered(whole, storage_order(whole));
+  const Vec3 first = lps_mm_to_index(outer).apply(inner.origin_lps_mm);
+  Margin margin;
+  for (std::size_t a = 0; a < 3; ++a) {
+    margin.low[a] = std::llround(first[a]);
+    margin.high[a] = outer.size[a] - inner.size[a] - margin.low[a];
+    if (margin.low[a] < 0 || margin.high[a] < 0) return std::nullopt;
+  }
+  return have_same_voxels(widened(inner, margin), outer) ? std::optional(margin) : std::nullopt;
+}
+
 }  // namespace splatlas

@@ -1,8 +1,11 @@
 // Resampling of images to another grid.
 #pragma once
 
+#include <optional>
+
 #include "preprocess/import/images/import_image.h"
 #include "preprocess/import/images/pixels/source_image.h"
+#include "preprocess/import/membership_volume.h"
 
 namespace splatlas {
 
@@ -17,5 +20,9 @@ namespace splatlas {
 
 /// Fraction of the voxels of `grid` that lie within `other`, estimated on a lattice of 32^3 points.
 [[nodiscard]] double overlap(const Grid& grid, const Grid& other);
+
+/// The voxels around a grid that it lacks to be another one, in storage order; nullopt unless all of its
+/// voxels are voxels of the other.
+[[nodiscard]] std::optional<Margin> margin_within(const Grid& part, const Grid& whole);
 
 }  // namespace splatlas

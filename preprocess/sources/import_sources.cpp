@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 #include <span>
 
 #include <fmt/format.h>
@@ -30,6 +29,9 @@ const NoteKind kFurtherErrors{"further-errors", "further problem", "further prob
 const NoteKind kVolumeResampled{
     "resampled-volume", "volume is on another grid than the labels and is interpolated at their voxels",
     "volumes are on other grids than the labels and are interpolated at their voxels", true};
+const NoteKind kLabelsWidened{"labels-widened",
+                              "label map covers a part of the volume's grid, which stays whole",
+                              "label maps cover a part of the volume's grid, which stays whole", false};
 const NoteKind kMaskResampled{
     "resampled-segment-masks", "mask of a segment is on another grid and is resampled to the nearest voxel",
     "masks of segments are on other grids and are resampled to the nearest voxel", true};
@@ -42,34 +44,6 @@ const NoteKind kDegenerate{"degenerate-triangles", "surface has triangles withou
                            "surfaces have triangles without area, which are dropped", false};
 const NoteKind kOutside{"surfaces-outside", "surface is partly outside the volume, and cut off there",
                         "surfaces are partly outside the volume, and cut off there", true};
-
-void drop_labels(NamesTable& table, const std::set<std::int64_t>& labels) {
-  std::erase_if(table.names,
-                [&](const LabelName& name) { return name.label && labels.contains(*name.label); });
-}
-
-/// Drops the names of groups of the table's hierarchy: they have no voxels of their own.
-void drop_groups(NamesTable& table, std::span<const SourceStructure> structures) {
-  std::set<std::string> parents;
-  for (const TreeLine& line : table.hierarchy) {
-    if (line.node) parents.insert(line.node->parents.begin(), line.node->parents.end());
-  }
-  std::set<std::int64_t> groups;
-  for (const TreeLine& line : table.hierarchy) {
-    if (line.node && line.node->label && parents.contains(line.node->key)) groups.insert(*line.node->label);
-  }
-  for (const SourceStructure& structure : structures) groups.erase(structure.label.value_or(0));
-  drop_labels(table, groups);
-}
-
-/// Drops the names of labels that resampling lost: a note has told them.
-void drop_lost(NamesTable& table, std::span<const ResampledStructure> resampled) {
-  std::set<std::int64_t> lost;
-  for (const ResampledStructure& sizes : resampled) {
-    if (sizes.voxels_after == 0) lost.insert(sizes.label.value_or(0));
-  }
-  drop_labels(table, lost);
-}
 
 /// Imports the files into a SourceModel, kind by kind.
 class SourceImporter {
@@ -148,7 +122,7 @@ class SourceImporter {
   Result<void> import_tree() {
     if (files_.tree.empty()) return {};
     model_.tree_file = files_.tree.string();
-    SPLATLAS_ASSIGN_OR_RETURN(model_.tree, read_tree_isolated(files_.tree, notes_));
+    SPLATLAS_ASSIGN_OR_RETURN(model_.tree, read_tree(files_.tree, notes_));
     return remember("tree", files_.tree);
   }
 
@@ -163,7 +137,7 @@ class SourceImporter {
 
   Result<void> import_names() {
     if (files_.names.empty() || files_.labels.empty()) return {};
-    SPLATLAS_ASSIGN_OR_RETURN(names_, read_names_isolated(files_.names, files_.names_format, notes_));
+    SPLATLAS_ASSIGN_OR_RETURN(names_, read_names(files_.names, files_.names_format, notes_));
     return remember("names", files_.names);
   }
 
@@ -177,8 +151,6 @@ class SourceImporter {
                                 {.spacing_mm = files_.spacing_mm, .as_labels = files_.as_labels}, grid));
     note_resampled(labels);
     if (names_) {
-      drop_groups(*names_, labels.structures);
-      drop_lost(*names_, labels.resampled);
       std::vector<TreeLine> hierarchy = std::move(names_->hierarchy);
       const NamesFormat dialect = names_->dialect;
       if (const auto fit = name_labels(labels, *std::exchange(names_, std::nullopt), files_.allow_empty);
@@ -230,7 +202,8 @@ class SourceImporter {
       if (sizes.voxels_after == 0) {
         notes_.add(kStructureLost,
                    fmt::format("{} ({} voxels, {:.4g} ml)", name, sizes.voxels_before, sizes.ml_before));
-      } else {
+      } else if (sizes.voxels_before != sizes.voxels_after || sizes.ml_before < sizes.ml_after ||
+                 sizes.ml_before > sizes.ml_after) {
         notes_.add(kStructureResampled,
                    fmt::format("{} ({} voxels, {:.4g} ml, become {} voxels, {:.4g} ml)", name,
                                sizes.voxels_before, sizes.ml_before, sizes.voxels_after, sizes.ml_after));
@@ -238,10 +211,19 @@ class SourceImporter {
     }
   }
 
-  /// Brings the volume onto the grid of the labels.
+  /// Brings labels and volume onto one grid: that of the volume if the labels have a part of its voxels, else
+  /// that of the labels.
   Result<void> place_volume() {
     if (!volume_) return {};
     if (files_.labels.empty()) model_.source_grid = volume_->grid;
+    const std::optional<Margin> margin =
+        files_.resample == ResampleTo::kAsk ? margin_within(model_.source_grid, volume_->grid) : std::nullopt;
+    if (margin && !margin->empty()) {
+      model_.memberships.widen(*margin);
+      const AxisOrder order = storage_order(model_.source_grid);
+      model_.source_grid = widened(model_.source_grid, before_reordering(*margin, order));
+      notes_.add(kLabelsWidened, files_.labels.string());
+    }
     if (!have_same_voxels(model_.source_grid, volume_->grid)) {
       const std::string difference =
           check_same_grid(model_.source_grid, labels_source_, volume_->grid, files_.volume.string())

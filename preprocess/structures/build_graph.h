@@ -18,7 +18,7 @@ struct PlacedStructures {
   std::vector<StructureIndex> index_of_source;  ///< [source number]: structure
 };
 
-/// Assigns unique ids and places the structures by the tree (see kTreeFormat); without lines, all are roots.
+/// Assigns unique ids and places the structures by the tree (see build --help); without lines, all are roots.
 /// Lines and nodes that fit no structure are counted in `notes`. kFailed, with the line, for malformed lists
 /// of codes and labels; kFailed if nothing of the tree fits, and for cycles of paths. Messages call the tree
 /// `file`. Cost: linear in sources and lines; a line with a pattern or codes takes a pass over the sources.

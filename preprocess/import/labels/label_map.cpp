@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
+#include <span>
 #include <unordered_map>
 #include <utility>
 
@@ -154,6 +156,34 @@ void name_by_segments(const std::vector<SourceSegment>& segments, ImportedLabels
   }
 }
 
+void drop_labels(NamesTable& table, const std::set<std::int64_t>& labels) {
+  std::erase_if(table.names,
+                [&](const LabelName& name) { return name.label && labels.contains(*name.label); });
+}
+
+/// Drops the names of groups of the table's hierarchy: they have no voxels of their own.
+void drop_groups(NamesTable& table, std::span<const SourceStructure> structures) {
+  std::set<std::string> parents;
+  for (const TreeLine& line : table.hierarchy) {
+    if (line.node) parents.insert(line.node->parents.begin(), line.node->parents.end());
+  }
+  std::set<std::int64_t> groups;
+  for (const TreeLine& line : table.hierarchy) {
+    if (line.node && line.node->label && parents.contains(line.node->key)) groups.insert(*line.node->label);
+  }
+  for (const SourceStructure& structure : structures) groups.erase(structure.label.value_or(0));
+  drop_labels(table, groups);
+}
+
+/// Drops the names of labels that resampling lost: a note has told them.
+void drop_lost(NamesTable& table, std::span<const ResampledStructure> resampled) {
+  std::set<std::int64_t> lost;
+  for (const ResampledStructure& sizes : resampled) {
+    if (sizes.voxels_after == 0) lost.insert(sizes.label.value_or(0));
+  }
+  drop_labels(table, lost);
+}
+
 std::string remedy_for(const ImportedLabels& labels, const NamesTable& table) {
   if (!labels.structures.front().label)
     return "masks and overlapping segments have no labels: give the rows their names";
@@ -229,6 +259,8 @@ Result<ImportedLabels> read_label_map(SourceImage image, const std::string& name
 }
 
 Result<void> name_labels(ImportedLabels& labels, NamesTable table, bool keeps_empty) {
+  drop_groups(table, labels.structures);
+  drop_lost(table, labels.resampled);
   std::vector<LabelName>& names = table.names;
   std::map<std::int64_t, SourceStructure*> unnamed;
   std::map<std::string, SourceStructure*> by_name;  // masks, and labels that the file itself names

@@ -15,21 +15,10 @@
 namespace splatlas {
 namespace {
 
-struct CssColor {
-  const char* name;
-  Rgb color;
-};
-
-constexpr CssColor kCssColors[] = {
-    {"black", {0, 0, 0}},       {"silver", {192, 192, 192}}, {"gray", {128, 128, 128}},
-    {"grey", {128, 128, 128}},  {"white", {255, 255, 255}},  {"maroon", {128, 0, 0}},
-    {"red", {255, 0, 0}},       {"purple", {128, 0, 128}},   {"fuchsia", {255, 0, 255}},
-    {"magenta", {255, 0, 255}}, {"green", {0, 128, 0}},      {"lime", {0, 255, 0}},
-    {"olive", {128, 128, 0}},   {"yellow", {255, 255, 0}},   {"orange", {255, 165, 0}},
-    {"navy", {0, 0, 128}},      {"blue", {0, 0, 255}},       {"teal", {0, 128, 128}},
-    {"aqua", {0, 255, 255}},    {"cyan", {0, 255, 255}},     {"brown", {165, 42, 42}},
-    {"pink", {255, 192, 203}},
-};
+/// A name and a colour a line.
+constexpr std::string_view kCssColors =
+#include "preprocess/import/tables/css_colors.txt"
+    ;
 
 std::optional<Rgb> parse_hex(std::string_view digits) {
   if (digits.size() == 4) digits = digits.substr(0, 3);  // with alpha
@@ -87,8 +76,9 @@ double scale_of_colors(std::span<const std::string> texts) {
 
 std::optional<Rgb> parse_css_color(std::string_view text) {
   const std::string lower = to_lower(trimmed(text));
-  const auto* named = std::ranges::find_if(kCssColors, [&](const CssColor& c) { return c.name == lower; });
-  return named != std::end(kCssColors) ? std::optional(named->color) : parse_table_color(lower);
+  const std::vector<std::string_view> words = split_blanks(kCssColors);
+  const auto named = std::ranges::find(words, lower);
+  return parse_table_color(named != words.end() && named + 1 != words.end() ? named[1] : lower);
 }
 
 }  // namespace splatlas

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <set>
+#include <unordered_map>
 
 #include <fmt/format.h>
 
@@ -14,58 +15,17 @@
 namespace splatlas {
 namespace {
 
-/// Names of columns of a role, in lower case, with blanks between them.
-struct Aliases {
-  ColumnRole role;
-  std::string_view names;
-  const char* vocabulary = "";
-};
+/// Role, vocabulary and names of columns, a line each. Names that end with "_" are prefixes: sequences of
+/// codes in 3D Slicer's tables, and by their names in DICOM. Of several columns of one role, the name that
+/// stands first counts.
+constexpr std::string_view kColumns =
+#include "preprocess/import/tables/columns.txt"
+    ;
 
-/// Of several columns of one role, the alias that stands first counts.
-constexpr Aliases kAliases[] = {
-    {ColumnRole::kLabel,
-     "labelvalue label_value annotation_value label labels index idx value label_id labelid label_number "
-     "number "
-     "class class_id no nr"},
-    {ColumnRole::kKey, "id key identifier structure_id region_id roi_id"},
-    {ColumnRole::kName,
-     "name structure region labelname label_name structure_name region_name roi roi_name class_name "
-     "full_name totalsegmentator_name"},
-    {ColumnRole::kColor,
-     "color colour hex rgb rgba color_hex hex_color color_hex_triplet rgb_triplet dicomrgbcolor"},
-    {ColumnRole::kRed, "r red color_r"},
-    {ColumnRole::kGreen, "g green color_g"},
-    {ColumnRole::kBlue, "b blue color_b"},
-    {ColumnRole::kParent,
-     "parent parent_id parent_identifier parent_structure_id parent_name parent_label group"},
-    {ColumnRole::kPath, "path structure_id_path root_identifier_path hierarchy"},
-    {ColumnRole::kCode, "code"},
-    {ColumnRole::kSynonym, "synonym synonyms alias aliases alternative_name"},
-    {ColumnRole::kTerm, "abbreviation abbr acronym", "abbreviation"},
-    {ColumnRole::kTerm, "latin", "la"},
-    {ColumnRole::kTerm, "snomed snomedct snomed_ct sct", "SNOMED"},
-    {ColumnRole::kTerm, "fma", "FMA"},
-    {ColumnRole::kTerm, "radlex rid", "RadLex"},
-    {ColumnRole::kTerm, "ta2", "TA2"},
-    {ColumnRole::kTerm, "ta98", "TA98"},
-    {ColumnRole::kTerm, "uberon", "UBERON"},
-    {ColumnRole::kTerm, "neuronames", "NeuroNames"},
-    {ColumnRole::kUnused, "a alpha color_a vis msh visible"},
+struct Alias {
+  Column column;
+  std::size_t place = 0;  ///< in its line
 };
-
-/// Sequences of codes, in 3D Slicer's tables and by their names in DICOM.
-constexpr std::array<std::array<const char*, 2>, 10> kSequences{{
-    {"category", "category"},
-    {"type", ""},
-    {"typemodifier", "modifier"},
-    {"region", "region"},
-    {"regionmodifier", "region modifier"},
-    {"segmentedpropertycategorycodesequence", "category"},
-    {"segmentedpropertytypecodesequence", ""},
-    {"segmentedpropertytypemodifiercodesequence", "modifier"},
-    {"anatomicregionsequence", "region"},
-    {"anatomicregionmodifiersequence", "region modifier"},
-}};
 
 std::string plain_name(std::string_view name) {
   std::string plain = to_lower(trimmed(name));
@@ -74,33 +34,39 @@ std::string plain_name(std::string_view name) {
   return plain;
 }
 
-/// An entry of kAliases, and the place of a name in it.
-struct Alias {
-  const Aliases* entry = nullptr;
-  std::size_t place = 0;
-};
-
-Alias find_alias(std::string_view plain) {
-  for (const Aliases& aliases : kAliases) {
-    const std::vector<std::string_view> names = split_blanks(aliases.names);
-    const auto found = std::ranges::find(names, plain);
-    if (found != names.end()) return {&aliases, static_cast<std::size_t>(found - names.begin())};
+std::unordered_map<std::string, Alias> read_aliases() {
+  constexpr std::array<std::string_view, 16> kRoles{"unknown", "unused",  "label", "key",    "name", "color",
+                                                    "red",     "green",   "blue",  "parent", "path", "level",
+                                                    "code",    "synonym", "term",  "scheme"};
+  std::unordered_map<std::string, Alias> aliases;
+  for (const std::string_view line : split(kColumns, '\n')) {
+    const std::vector<std::string_view> words = split_blanks(line);
+    Column column{static_cast<ColumnRole>(std::ranges::find(kRoles, words[0]) - kRoles.begin()),
+                  std::string(words[1])};
+    if (column.vocabulary == "-") column.vocabulary.clear();
+    std::ranges::replace(column.vocabulary, '_', ' ');
+    for (std::size_t n = 2; n < words.size(); ++n) aliases.emplace(words[n], Alias{column, n - 2});
   }
-  return {};
+  return aliases;
+}
+
+/// The alias of a plain name; null for others.
+const Alias* find_alias(const std::string& plain) {
+  static const std::unordered_map<std::string, Alias> kAliases = read_aliases();
+  const auto found = kAliases.find(plain);
+  return found == kAliases.end() ? nullptr : &found->second;
 }
 
 /// "type_codevalue" and the like.
-std::optional<Column> column_of_code(std::string_view plain) {
-  const std::size_t dash = plain.find('_');
-  if (dash == std::string_view::npos) return std::nullopt;
-  for (const auto& [sequence, vocabulary] : kSequences) {
-    if (plain.substr(0, dash) != sequence) continue;
-    const std::string_view part = plain.substr(dash + 1);
-    if (part == "codingscheme" || part == "codingschemedesignator")
-      return Column{ColumnRole::kScheme, vocabulary};
-    if (part == "codevalue") return Column{ColumnRole::kSchemeCode, vocabulary};
-    if (part == "codemeaning") return Column{ColumnRole::kUnused, {}};
-  }
+std::optional<Column> column_of_code(const std::string& plain) {
+  const Alias* const sequence = find_alias(plain.substr(0, plain.find('_') + 1));
+  if (sequence == nullptr) return std::nullopt;
+  const std::string& vocabulary = sequence->column.vocabulary;
+  const std::string part = plain.substr(plain.find('_') + 1);
+  if (part == "codingscheme" || part == "codingschemedesignator")
+    return Column{ColumnRole::kScheme, vocabulary};
+  if (part == "codevalue") return Column{ColumnRole::kSchemeCode, vocabulary};
+  if (part == "codemeaning") return Column{ColumnRole::kUnused, {}};
   return std::nullopt;
 }
 
@@ -297,15 +263,14 @@ Table parse_table(std::string_view text, char separator) {
 
 Column column_of(std::string_view name) {
   const std::string plain = plain_name(name);
-  if (const auto [entry, place] = find_alias(plain); entry != nullptr)
-    return {entry->role, entry->vocabulary};
+  if (const Alias* const alias = find_alias(plain)) return alias->column;
   if (const auto code = column_of_code(plain)) return *code;
   if (const auto language = column_of_language(plain)) return *language;
   if (is_level(plain)) return {ColumnRole::kLevel, {}};
   for (const std::string_view suffix : {"_id", "_code", "id"}) {  // "FMA ID", "snomed_code"
     if (!plain.ends_with(suffix)) continue;
-    const auto [entry, place] = find_alias(plain.substr(0, plain.size() - suffix.size()));
-    if (entry != nullptr && entry->role == ColumnRole::kTerm) return {entry->role, entry->vocabulary};
+    const Alias* const alias = find_alias(plain.substr(0, plain.size() - suffix.size()));
+    if (alias != nullptr && alias->column.role == ColumnRole::kTerm) return alias->column;
   }
   constexpr std::string_view kTermPrefix = "term ";  // "term 99XYZ": any other vocabulary
   if (to_lower(name).starts_with(kTermPrefix))
@@ -330,7 +295,10 @@ std::vector<Column> columns_of(const Table& table) {
   // One column for each role: the alias that stands first in the list.
   for (int role = static_cast<int>(ColumnRole::kLabel); role <= static_cast<int>(ColumnRole::kPath); ++role) {
     std::size_t best = std::string::npos;
-    const auto rank = [&](std::size_t n) { return find_alias(plain_name(table.columns[n])).place; };
+    const auto rank = [&](std::size_t n) {
+      const Alias* const alias = find_alias(plain_name(table.columns[n]));
+      return alias == nullptr ? ~std::size_t{0} : alias->place;
+    };
     for (std::size_t n = 0; n < columns.size(); ++n) {
       if (static_cast<int>(columns[n].role) != role) continue;
       if (best == std::string::npos || rank(n) < rank(best)) best = n;

@@ -1,4 +1,4 @@
-// Members of notes, and of tables of names and of trees, for archives.
+// Members of notes and of structures, for archives.
 #pragma once
 
 #include "preprocess/import/notes.h"
@@ -19,18 +19,4 @@ void transfer(auto& archive, NoteKind& kind) {
 void transfer(auto& archive, Note& note) {
   archive(note.kind, note.items);
 }
-void transfer(auto& archive, LabelName& name) {
-  transfer(archive, static_cast<SourceStructure&>(name));
-  archive(name.line, name.key);
-}
-void transfer(auto& archive, TreeNode& node) {
-  archive(node.key, node.name, node.label, node.parents);
-}
-void transfer(auto& archive, TreeLine& line) {
-  archive(line.number, line.groups, line.member, line.color, line.node);
-}
-void transfer(auto& archive, NamesTable& table) {
-  archive(table.dialect, table.names, table.zero_name, table.hierarchy, table.columns);
-}
-
 }  // namespace splatlas

@@ -58,12 +58,12 @@ ImportEnd import_surface(const fs::path& path) {
 
 ImportEnd import_names(const fs::path& path) {
   Notes notes;
-  return end_of(read_names_isolated(path, NamesFormat::kAuto, notes), notes);
+  return end_of(read_names(path, NamesFormat::kAuto, notes), notes);
 }
 
 ImportEnd import_tree(const fs::path& path) {
   Notes notes;
-  return end_of(read_tree_isolated(path, notes), notes);
+  return end_of(read_tree(path, notes), notes);
 }
 
 bool has_ending(const fs::path& file, const ImportKind& kind) {

@@ -112,6 +112,16 @@ TEST(Selection, UnknownLabelsAreErrors) {
               HasSubstr("no structure has one; write a name"));
 }
 
+/// FreeSurfer's names hold hyphens, which remove structures outside quotes.
+TEST(Selection, NamesWithHyphensNeedQuotes) {
+  const StructureGraph graph = *StructureGraph::build(
+      {{.id = "a", .name = "Left-Hippocampus"}, {.id = "lh", .name = "ctx-lh-insula"}});
+  const auto message = [&](const char* text) { return Selection::parse(text, graph).error().message; };
+  EXPECT_THAT(message("Left-Hippocampus:surface"), HasSubstr("; write \"Left-Hippocampus\" in quotes"));
+  EXPECT_THAT(message("a + ctx-lh-insula"), HasSubstr("; write \"ctx-lh-insula\" in quotes"));
+  EXPECT_THAT(message("Right-Hippocampus"), testing::Not(HasSubstr("in quotes")));
+}
+
 TEST(Selection, EverythingOfNothingIsNothing) {
   const StructureGraph none = *StructureGraph::build({});
   for (const char* text : {"*", "*:surface", "\"*\":both(opacity=0.5)", "* - *", ""}) {

@@ -114,13 +114,14 @@ TEST(ExportMasks, WritesNrrdFilesOfGridsThatNiftiCannotHold) {
   EXPECT_TRUE(straight.notes.empty());
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "straight" / "one.nii.gz"));
 
-  content.source_grid.direction_lps = {1, 0.6, 0, 0, 0.8, 0, 0, 0, 1};  // sheared
+  content.source_grid.spacing_mm = {0.001, 0.001, 0.001};
+  content.source_grid.origin_lps_mm = {1e6 + 1.0 / 3, 0, 0};  // floats are 0.06 mm apart
   content.graph = StructureGraph::build({{.id = "-one"}}).value();
-  const std::filesystem::path path = folder.path() / "sheared";
-  const ExportedMasks sheared = export_masks(content, path).value();
-  EXPECT_EQ(sheared.count, 1u);
+  const std::filesystem::path path = folder.path() / "far";
+  const ExportedMasks far = export_masks(content, path).value();
+  EXPECT_EQ(far.count, 1u);
   EXPECT_THAT(
-      sheared.notes,
+      far.notes,
       ElementsAre(path.string() + ": .nii.gz files cannot hold the atlas's grid; the masks are .nrrd files",
                   path.string() + ": 1 id is no safe file name: \"-one\" is _-one.nrrd"));
   const Image mask = import_image(path / "_-one.nrrd").value();

@@ -8,6 +8,7 @@
 #include "tests/preprocess/itk_volumes.h"
 #include "tests/preprocess/random_images.h"
 #include "tests/support/committed.h"
+#include "tests/support/file_bytes.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
@@ -145,14 +146,22 @@ TEST(WriteImage, RefusesGeometryBeyondSinglePrecision) {
   fits_doubles_only(far);
 }
 
-TEST(WriteImage, RefusesAxesThatAreNotOrthonormal) {
-  Grid sheared = awkward_grid(0.3);
-  for (const std::size_t row : {0, 1, 2})
+/// An sform holds any axes; a qform, at byte 252, holds rotations alone.
+TEST(WriteImage, HoldsAxesThatAreNotOrthonormal) {
+  Grid sheared = awkward_grid(0.3), longer = sheared;
+  for (const std::size_t row : {0, 1, 2}) {
     sheared.direction_lps[3 * row] += 0.1 * sheared.direction_lps[3 * row + 1];
-  fits_doubles_only(sheared);
-  Grid longer = awkward_grid(0.3);
-  for (const std::size_t row : {0, 1, 2}) longer.direction_lps[3 * row] *= 1.5;
-  fits_doubles_only(longer);
+    longer.direction_lps[3 * row] *= 1.5;
+  }
+  const TemporaryFolder folder;
+  for (const Grid& grid : {sheared, longer}) {
+    for (const std::string& ending : kEndings) {
+      const std::string path = folder.file("v" + ending);
+      EXPECT_EQ(message_of(committed(write_image(zeros(grid, VoxelType::kUInt8), path))), "");
+      EXPECT_EQ(message_of(check_same_grid(grid, "written", import_image(path)->grid, "read")), "") << ending;
+    }
+    EXPECT_EQ(read_bytes(folder.file("v.nii"))[252], 0);
+  }
 }
 
 TEST(WriteImage, RefusesCoordinatesThatCannotBeReadBack) {

@@ -49,6 +49,22 @@ TEST(Resample, BeyondTheImageIsItsLeastValueOrZero) {
   EXPECT_EQ(labels, (std::vector<std::int16_t>{0, -1000, -1000, 7, 7}));
 }
 
+/// Labels of a part of a volume have a margin, whatever the order of their axes.
+TEST(Resample, FindsPartsOfALattice) {
+  const Grid whole = reordered(kSource, storage_order(kSource));
+  Grid part = whole;
+  part.origin_lps_mm = index_to_lps_mm(whole).apply({2, 1, 3});
+  part.size = {5, 4, 2};
+  const Grid turned = reordered(part, AxisOrder{{2, 0, 1}, {true, false, true}});
+  const Margin margin = margin_within(turned, kSource).value();
+  EXPECT_EQ(margin.low, (Index3{2, 1, 3}));
+  for (std::size_t a = 0; a < 3; ++a) EXPECT_EQ(margin.low[a] + part.size[a] + margin.high[a], whole.size[a]);
+  EXPECT_TRUE(margin_within(kSource, kSource)->empty());
+  EXPECT_FALSE(margin_within(kSource, turned));
+  part.origin_lps_mm[0] += 0.1;
+  EXPECT_FALSE(margin_within(part, kSource));
+}
+
 TEST(Resample, NearestPermutesEveryLayer) {
   std::mt19937 random(3);
   const Image one = random_volume(kSource, VoxelType::kUInt16, random),
