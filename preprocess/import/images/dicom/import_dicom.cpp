@@ -84,20 +84,35 @@ void note_kinds(const SlicedStack& stack, Notes& notes) {
 
 /// Decodes the first frame of each slice and applies its slope and intercept. int16 or uint16 if they hold
 /// all values exactly: every slope is 1 and every intercept is whole. Else float32. Padding keeps its value.
-/// Further frames of a slice are ignored and noted. kFailed for damaged files. Cost: one pass; memory for
-/// the volume, and twice as much for values of more than 16 bits. One thread at a time.
+/// Voxels between slices are interpolated, and rounded for integers. Further frames of a slice are ignored
+/// and noted. kFailed for damaged files. Cost: one pass; memory for the volume, and twice as much for values
+/// of more than 16 bits. One thread at a time.
 Result<VoxelBuffer> read_volume(const SlicedStack& stack, Notes& notes) {
   VoxelBuffer voxels{widest_type(stack), {}};
   const auto plane = static_cast<std::size_t>(stack.grid.size[0] * stack.grid.size[1]);
-  voxels.bytes.resize(plane * stack.slices.size() * bytes_of(voxels.type));
+  const auto count = static_cast<std::size_t>(stack.grid.size[2]);
+  voxels.bytes.resize(plane * count * bytes_of(voxels.type));
   FrameDecoder decoder;
-  for (std::size_t k = 0; k < stack.slices.size(); ++k) {
-    const DicomFrame& frame = *stack.slices[k].front();
-    SPLATLAS_ASSIGN_OR_RETURN(const auto stored, decoder.decode(frame));
+  std::vector<double> below, above(plane);
+  std::size_t decoded = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto place = static_cast<double>(k);
+    while (decoded == 0 || (decoded < stack.slices.size() && stack.places[decoded - 1] < place)) {
+      const DicomFrame& frame = *stack.slices[decoded++].front();
+      SPLATLAS_ASSIGN_OR_RETURN(const auto stored, decoder.decode(frame));
+      below = above;
+      for (std::size_t v = 0; v < plane; ++v)
+        above[v] = static_cast<double>(stored[v]) * frame.slope + frame.intercept;
+    }
+    const double end = stack.places[decoded - 1];
+    const double part =
+        end > place ? (place - stack.places[decoded - 2]) / (end - stack.places[decoded - 2]) : 1;
     visit_voxel_type(voxels.type, [&]<typename T>(T) {
       T* const values = voxels.as<T>() + k * plane;
-      for (std::size_t v = 0; v < plane; ++v)
-        values[v] = static_cast<T>(static_cast<double>(stored[v]) * frame.slope + frame.intercept);
+      for (std::size_t v = 0; v < plane; ++v) {
+        const double value = part < 1 ? below[v] + part * (above[v] - below[v]) : above[v];
+        values[v] = static_cast<T>(std::is_integral_v<T> ? std::floor(value + 1.0 / 2) : value);
+      }
     });
   }
   if (voxels.type == VoxelType::kInt32) narrow(voxels);
