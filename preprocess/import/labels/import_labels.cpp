@@ -299,8 +299,9 @@ std::vector<ResampledStructure> compare(const ImportedLabels& before, const Impo
 
 }  // namespace
 
-Result<ImportedLabels> import_labels(const fs::path& path, const ImageOptions& options,
+Result<ImportedLabels> import_labels(const fs::path& path, ImageOptions options,
                                      const std::optional<Grid>& grid) {
+  options.labels = true;
   std::error_code unreadable;  // the reader reports it
   const ImageFormatEntry* const format = find_image_format(path);
   if (format == nullptr && fs::is_directory(path, unreadable)) return import_mask_folder(path, grid);

@@ -4,7 +4,10 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <set>
 #include <utility>
+
+#include <fmt/ranges.h>
 
 #include "format/content/voxel_type.h"
 #include "format/result_macros.h"
@@ -126,13 +129,63 @@ const std::string& uid_of(const FrameStack& stack) {
   return stack.frames.front()->series_uid;
 }
 
+using Uids = std::set<std::string>;
+
+/// What may tell a stack from one that looks like it.
+std::array<std::string, 4> details_of(const FrameStack& stack, const Uids& frames) {
+  const DicomFrame& first = *stack.frames.front();
+  return {
+      fmt::format("normal {}", position_text(normal_of(first))),
+      fmt::format("frame of reference {} of {}",
+                  std::distance(frames.begin(), frames.find(first.frame_of_reference)) + 1, frames.size()),
+      fmt::format("series number {}", first.series_number),
+      fmt::format("with {} at {}", first.file.filename().string(), position_text(first.position))};
+}
+
+/// The description of a stack, and how it differs from others of the same description.
+std::string told_apart(const FrameStack& stack, const Stacks& stacks, const Uids& frames) {
+  const std::string plain = description(stack);
+  const auto details = details_of(stack, frames);
+  std::array<bool, 4> differs{};
+  for (const FrameStack& other : stacks) {
+    if (description(other) != plain) continue;
+    const auto others = details_of(other, frames);
+    for (std::size_t n = 0; n < details.size(); ++n) differs[n] = differs[n] || details[n] != others[n];
+  }
+  std::string text = plain;
+  for (std::size_t n = 0; n < details.size(); ++n) text += differs[n] ? ", " + details[n] : "";
+  return text;
+}
+
 std::string list_of(const Stacks& stacks) {
   constexpr std::size_t kMaxListed = 50;
   std::string text = fmt::format("holds {} series; choose one with --series N", stacks.size());
+  Uids frames;
+  for (const FrameStack& stack : stacks) frames.insert(stack.frames.front()->frame_of_reference);
   for (std::size_t n = 0; n < std::min(stacks.size(), kMaxListed); ++n)
-    text += fmt::format("{} {}: {}", n == 0 ? ":" : ";", n + 1, description(stacks[n]));
+    text += fmt::format("{} {}: {}", n == 0 ? ":" : ";", n + 1, told_apart(stacks[n], stacks, frames));
   if (stacks.size() > kMaxListed) text += fmt::format("; and {} more", stacks.size() - kMaxListed);
   return text;
+}
+
+/// The stacks that are wanted, segmentations or images; all of them if there are none.
+Stacks wanted_stacks(Stacks stacks, bool segmentations) {
+  const auto is_other = [&](const FrameStack& stack) {
+    return stack.frames.front()->is_segmentation != segmentations;
+  };
+  if (!std::ranges::all_of(stacks, is_other)) std::erase_if(stacks, is_other);
+  return stacks;
+}
+
+/// kUsage if labels are wanted of several segmentations.
+Result<void> check_one_segmentation(const Stacks& stacks, const std::filesystem::path& path) {
+  std::set<std::string> files;
+  for (const FrameStack& stack : stacks) {
+    if (stack.frames.front()->is_segmentation) files.insert(stack.frames.front()->file.string());
+  }
+  if (files.size() < 2) return {};
+  return fail(ErrorCode::kUsage, "{}: holds {} segmentations; give the file of one: {}", path.string(),
+              files.size(), fmt::join(files, ", "));
 }
 
 /// The index of the stack that the user means.
@@ -194,12 +247,13 @@ bool is_dicom(const std::filesystem::path& file_or_folder) {
 Result<SourceImage> import_dicom(const std::filesystem::path& file_or_folder, const ImageOptions& options) {
   prepare_dcmtk();
   SPLATLAS_ASSIGN_OR_RETURN(const DicomFrames found, read_frames(file_or_folder));
-  const Stacks stacks = group_frames(found.frames);
+  const Stacks stacks = wanted_stacks(group_frames(found.frames), options.labels);
   Notes notes;
   if (stacks.empty()) {
     SPLATLAS_RETURN_IF_ERROR(check_faults(found.faults, "", 0, notes));
     return bad_file(file_or_folder, "holds no DICOM image; give the file or folder of a series");
   }
+  if (options.labels) SPLATLAS_RETURN_IF_ERROR(check_one_segmentation(stacks, file_or_folder));
   SPLATLAS_ASSIGN_OR_RETURN(const std::size_t n, chosen_stack(stacks, options.series, file_or_folder));
   const FrameStack& stack = stacks[n];
   SPLATLAS_RETURN_IF_ERROR(check_faults(found.faults, uid_of(stack), stacks.size(), notes));

@@ -46,12 +46,19 @@ double span_of(const Positions& positions) {
   return positions.back().height - positions.front().height;
 }
 
+/// Where positions lie along the third axis, in steps.
+std::vector<double> places_of(const Positions& positions, double step_mm) {
+  std::vector<double> places;
+  for (const SlicePosition& position : positions) {
+    const double times = (position.height - positions.front().height) / step_mm, whole = std::round(times);
+    places.push_back(std::abs(times - whole) * step_mm <= max_deviation_mm(step_mm) ? whole : times);
+  }
+  return places;
+}
+
 /// True if all positions are multiples of a step from the first.
 bool are_multiples(const Positions& positions, double step_mm) {
-  return std::ranges::all_of(positions, [&](const SlicePosition& position) {
-    const double times = (position.height - positions.front().height) / step_mm;
-    return std::abs(times - std::round(times)) * step_mm <= max_deviation_mm(step_mm);
-  });
+  return std::ranges::all_of(places_of(positions, step_mm), [](double p) { return p == std::round(p); });
 }
 
 /// The least step of several positions, without the rounding of single ones.
@@ -74,16 +81,6 @@ double grid_step(const Positions& positions, SliceGaps gaps) {
   const bool is_declared = gaps == SliceGaps::kEmpty && declared > 0 &&
                            declared <= least + max_deviation_mm(least) && are_multiples(positions, declared);
   return is_declared ? declared : least;
-}
-
-/// Where positions lie along the third axis, in steps.
-std::vector<double> places_of(const Positions& positions, double step_mm) {
-  std::vector<double> places;
-  for (const SlicePosition& position : positions) {
-    const double times = (position.height - positions.front().height) / step_mm, whole = std::round(times);
-    places.push_back(std::abs(times - whole) * step_mm <= max_deviation_mm(step_mm) ? whole : times);
-  }
-  return places;
 }
 
 /// True if no position is missing between the first and the last, and none is between others.
@@ -174,20 +171,6 @@ double distance(const Vec3& a, const Vec3& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
-/// "4 and 7 mm"
-std::string list_steps(const Positions& positions) {
-  constexpr std::size_t kMaxListed = 4;
-  std::vector<double> steps = steps_of(positions);
-  std::ranges::sort(steps);
-  const auto repeated = std::ranges::unique(
-      steps, [](double a, double b) { return b - a <= max_deviation_mm(a) + max_deviation_mm(b); });
-  steps.erase(repeated.begin(), repeated.end());
-  std::string text = fmt::format("{:.4g}", steps.front());
-  for (std::size_t n = 1; n < std::min(steps.size(), kMaxListed); ++n)
-    text += fmt::format("{}{:.4g}", n + 1 == steps.size() ? " and " : ", ", steps[n]);
-  return text + (steps.size() > kMaxListed ? " and others" : "") + " mm";
-}
-
 /// Notes the voxels' slices that lie between those of the files.
 void note_uneven(const Positions& positions, const SlicedStack& sliced, const std::string& tilt,
                  Notes& notes) {
@@ -196,8 +179,9 @@ void note_uneven(const Positions& positions, const SlicedStack& sliced, const st
                                 "stacks of slices have uneven steps and are interpolated to even ones", true};
   constexpr std::size_t kMaxListed = 3;
   const Affine to_mm = index_to_lps_mm(sliced.grid);
-  std::string text = fmt::format("{}steps of {} become {:.4g} mm", tilt.empty() ? "" : "tilt " + tilt + ", ",
-                                 list_steps(positions), sliced.step_mm);
+  const auto [least, greatest] = std::ranges::minmax(steps_of(positions));
+  std::string text = fmt::format("{}steps of {:.4g} to {:.4g} mm become {:.4g} mm",
+                                 tilt.empty() ? "" : "tilt " + tilt + ", ", least, greatest, sliced.step_mm);
   std::size_t between = 0;
   for (std::int64_t k = 0; k < sliced.grid.size[2]; ++k) {
     if (std::ranges::binary_search(sliced.places, static_cast<double>(k))) continue;

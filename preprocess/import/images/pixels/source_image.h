@@ -37,6 +37,7 @@ struct ImageOptions {
   std::string series = {};  ///< DICOM: number in the list of stacks, from 1, or UID; empty for the only one
   std::optional<std::size_t> component = {};  ///< volume of a file of several, from 1
   std::optional<Vec3> spacing_mm = {};        ///< of stacks of pictures, which have none
+  bool labels = false;  ///< of a DICOM folder with both, the segmentation is wanted and not the image
 };
 
 // Members, for archives.

@@ -30,6 +30,53 @@ TEST_F(ImportDicom, SeveralSeriesMustBeChosenFrom) {
                 FailsWith(ErrorCode::kUsage, EndsWith("has no series " + unknown + "; it " + list)));
 }
 
+TEST_F(ImportDicom, SeriesThatLookAlikeAreToldApart) {
+  const DicomTag kFrameTag{0x0020, 0x0052};
+  for (int k = 0; k < 3; ++k) {
+    for (int frame = 0; frame < 3; ++frame) {
+      TestSlice slice = axial(k);
+      slice.stored = ramp(k + 10 * frame);
+      slice.texts = {{kFrameTag, fmt::format("1.7.{}", frame)}};
+      write_slice(slice, file(fmt::format("{}{}", frame, k)));
+    }
+  }
+  EXPECT_THAT(
+      import(),
+      FailsWith(
+          ErrorCode::kUsage,
+          EndsWith("1: CT 8x6x3, 0.25x0.5x2 mm, frame of reference 1 of 3, with 00 at (-1, 2, 10); 2: CT "
+                   "8x6x3, 0.25x0.5x2 mm, frame of reference 2 of 3, with 10 at (-1, 2, 10); 3: CT 8x6x3, "
+                   "0.25x0.5x2 mm, frame of reference 3 of 3, with 20 at (-1, 2, 10)")));
+  expect_ramps(imported("3"), 3, 20);
+  TestSlice other = axial(0);
+  other.position = {5, 2, 10};
+  other.axes = {0.8, 0.6, 0, -0.6, 0.8, 0};
+  other.texts = {{kSeriesNumberTag, "9"}};
+  std::filesystem::remove_all(folder_.path());
+  std::filesystem::create_directory(folder_.path());
+  write_slice(axial(0), file("a"));
+  write_slice(other, file("b"));
+  EXPECT_THAT(import(),
+              FailsWith(ErrorCode::kUsage,
+                        HasSubstr("1: CT 8x6x1, 0.25x0.5 mm, series number 7, with a at (-1, 2, 10); ")));
+}
+
+TEST_F(ImportDicom, AFolderOfImagesAndSegmentsHasBoth) {
+  write_series();
+  TestSegmentation segmentation;
+  segmentation.segments = {{1, "Liver", {}, "", "", ""}};
+  segmentation.frames = {{1, 4, std::vector<std::uint16_t>(TestSegmentation::kPixels, 1)}};
+  write_segmentation(segmentation, file("seg.dcm"));
+  expect_ramps(imported(), 5);
+  ImageOptions options;
+  options.labels = true;
+  EXPECT_EQ(value_or_throw(import_dicom(folder_.path(), options)).segments.size(), 1u);
+  write_segmentation(segmentation, file("seg2.dcm"));
+  EXPECT_THAT(import_dicom(folder_.path(), options),
+              FailsWith(ErrorCode::kUsage, AllOf(HasSubstr("holds 2 segmentations; give the file of one: "),
+                                                 HasSubstr("seg2.dcm"))));
+}
+
 TEST_F(ImportDicom, TwoTimePointsAreTwoVolumes) {
   for (int k = 0; k < 4; ++k) {
     for (int time = 0; time < 2; ++time) {

@@ -118,7 +118,7 @@ TEST_F(ImportDicom, SlicesWithoutFramesAreEmpty) {
   image = imported();  // steps of 5 and 7 mm: the nearest frame
   EXPECT_EQ(voxels_of<std::uint8_t>(image, 0),
             joined_slices({pixels(0, 1), pixels(1, 2), pixels(2, 3), pixels(2, 3)}));
-  EXPECT_THAT(notes_of(image), ElementsAre(HasSubstr("steps of 5 and 7 mm become 5 mm")));
+  EXPECT_THAT(notes_of(image), ElementsAre(HasSubstr("steps of 5 to 7 mm become 5 mm")));
 }
 
 TEST_F(ImportDicom, FractionsAboveOneHalfBelong) {

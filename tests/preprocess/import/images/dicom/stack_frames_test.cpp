@@ -83,7 +83,7 @@ TEST_F(ImportDicom, MissingSlicesAreInterpolated) {
   expect_ramps(image, 5);
   EXPECT_EQ(image.grid.spacing_mm[2], 2);
   const std::string note =
-      "1 stack of slices has uneven steps and is interpolated to even ones: steps of 2 and ";
+      "1 stack of slices has uneven steps and is interpolated to even ones: steps of 2 to ";
   EXPECT_THAT(notes_of(image), ElementsAre(note + "4 mm become 2 mm, new slices at (-1, 2, 14)"));
   EXPECT_TRUE(image.notes.all()[0].kind.is_warning);
   std::filesystem::remove(file("slice6"));
@@ -105,7 +105,7 @@ TEST_F(ImportDicom, UnevenStepsBecomeTheLeast) {
   EXPECT_EQ(values[4 * TestSlice::kPixels + 3], 403);
   EXPECT_EQ(values[5 * TestSlice::kPixels + 3], 483);  // 2 of 2.5 mm on
   EXPECT_EQ(values[6 * TestSlice::kPixels + 3], 503);  // beyond the last
-  EXPECT_THAT(notes_of(image), ElementsAre(HasSubstr("steps of 2 and 2.5 mm become 2 mm, new slices at "
+  EXPECT_THAT(notes_of(image), ElementsAre(HasSubstr("steps of 2 to 2.5 mm become 2 mm, new slices at "
                                                      "(-1, 2, 20), (-1, 2, 22)")));
 }
 
@@ -125,7 +125,7 @@ TEST_F(ImportDicom, OneWarningTellsOfStepsAndTilt) {
   EXPECT_NEAR(last[1], -tilt * 28, 1e-7);
   EXPECT_EQ(image.voxels.as<std::int16_t>()[5 * TestSlice::kPixels], 414);
   EXPECT_THAT(notes_of(image),
-              ElementsAre(AllOf(HasSubstr("tilt 20.0 degrees, steps of 4 and 7 mm become 4 mm"),
+              ElementsAre(AllOf(HasSubstr("tilt 20.0 degrees, steps of 4 to 7 mm become 4 mm"),
                                 HasSubstr(" and 1 more"))));
 }
 
