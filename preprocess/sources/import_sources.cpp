@@ -11,6 +11,7 @@
 
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
+#include "preprocess/import/images/dicom/import_dicom.h"
 #include "preprocess/import/images/import_image.h"
 #include "preprocess/import/images/pictures/read_pictures.h"
 #include "preprocess/import/import_error.h"
@@ -81,7 +82,8 @@ class SourceImporter {
     keep_error(collect_names());
     keep_error(import_tree());
     // Labels first, unless they need the grid of the volume: reading them takes the most memory.
-    const bool to_volume = files_.resample == ResampleTo::kVolume;
+    const bool to_volume = files_.resample == ResampleTo::kVolume ||
+                           (files_.resample == ResampleTo::kAsk && is_contours(files_.labels));
     if (to_volume) keep_error(import_volume());
     keep_error(import_names());
     keep_error(import_labels());
@@ -170,7 +172,7 @@ class SourceImporter {
   Result<void> import_labels() {
     if (files_.labels.empty()) return {};
     std::optional<Grid> grid;
-    if (files_.resample == ResampleTo::kVolume && volume_) grid = volume_->grid;
+    if (volume_) grid = volume_->grid;
     SPLATLAS_ASSIGN_OR_RETURN(
         ImportedLabels labels,
         splatlas::import_labels(files_.labels, {.spacing_mm = files_.spacing_mm}, grid));

@@ -302,6 +302,7 @@ std::vector<ResampledStructure> compare(const ImportedLabels& before, const Impo
 Result<ImportedLabels> import_labels(const fs::path& path, ImageOptions options,
                                      const std::optional<Grid>& grid) {
   options.labels = true;
+  options.grid = grid;
   std::error_code unreadable;  // the reader reports it
   const ImageFormatEntry* const format = find_image_format(path);
   if (format == nullptr && fs::is_directory(path, unreadable)) return import_mask_folder(path, grid);

@@ -1,7 +1,6 @@
 #include "preprocess/import/images/dicom/dicom_item.h"
 
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <string_view>
 
@@ -35,15 +34,21 @@ void prepare_dcmtk() {
   static_cast<void>(done);
 }
 
-bool begins_as_dicom(const std::filesystem::path& file) {
-  constexpr std::streamoff kPreamble = 128;
+std::string first_bytes(const std::filesystem::path& file) {
+  constexpr std::size_t kBytes = 1024;
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(file, ignored)) return false;  // a pipe would wait
+  if (!std::filesystem::is_regular_file(file, ignored)) return {};  // a pipe would wait
+  std::string bytes(kBytes, '\0');
   std::ifstream stream(file, std::ios::binary);
-  std::array<char, 4> mark{};
-  stream.seekg(kPreamble);
-  stream.read(mark.data(), mark.size());
-  return stream && std::memcmp(mark.data(), "DICM", mark.size()) == 0;
+  stream.read(bytes.data(), kBytes);
+  bytes.resize(static_cast<std::size_t>(stream.gcount()));
+  return bytes;
+}
+
+bool begins_as_dicom(const std::filesystem::path& file) {
+  constexpr std::size_t kPreamble = 128;
+  const std::string bytes = first_bytes(file);
+  return bytes.size() > kPreamble && bytes.compare(kPreamble, 4, "DICM") == 0;
 }
 
 Result<std::unique_ptr<DcmFileFormat>> open_dicom(const std::filesystem::path& file, DicomPart part) {

@@ -20,6 +20,8 @@ namespace splatlas {
 /// attributes that a program wrote as unknown. Cheap after the first call.
 void prepare_dcmtk();
 
+/// The first kB of a regular file; empty for others.
+[[nodiscard]] std::string first_bytes(const std::filesystem::path& file);
 /// True for a regular file with "DICM" at byte 128.
 [[nodiscard]] bool begins_as_dicom(const std::filesystem::path& file);
 

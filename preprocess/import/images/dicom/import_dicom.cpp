@@ -14,6 +14,7 @@
 #include "format/text/ascii_text.h"
 #include "preprocess/import/images/dicom/decode/decode_frame.h"
 #include "preprocess/import/images/dicom/dicom_item.h"
+#include "preprocess/import/images/dicom/read_contours.h"
 #include "preprocess/import/images/dicom/read_frames.h"
 #include "preprocess/import/images/dicom/read_segmentation.h"
 #include "preprocess/import/images/dicom/stack_frames.h"
@@ -178,8 +179,10 @@ Stacks wanted_stacks(Stacks stacks, bool segmentations) {
 }
 
 /// kUsage if labels are wanted of several segmentations.
-Result<void> check_one_segmentation(const Stacks& stacks, const std::filesystem::path& path) {
+Result<void> check_one_segmentation(const Stacks& stacks, const std::vector<ContourFile>& contours,
+                                    const std::filesystem::path& path) {
   std::set<std::string> files;
+  for (const ContourFile& contour : contours) files.insert(contour.file.string());
   for (const FrameStack& stack : stacks) {
     if (stack.frames.front()->is_segmentation) files.insert(stack.frames.front()->file.string());
   }
@@ -223,11 +226,25 @@ Result<void> check_faults(const std::vector<DicomFault>& faults, const std::stri
   return {};
 }
 
-}  // namespace
+/// The contours on the given grid, or on that of the only image series in their frame of reference.
+Result<SourceImage> import_contours(const ContourFile& contours, const Stacks& stacks,
+                                    std::optional<Grid> grid) {
+  const auto is_same_frame = [&](const FrameStack& stack) {
+    return stack.frames.front()->frame_of_reference == contours.frame_of_reference;
+  };
+  if (!grid && std::ranges::count_if(stacks, is_same_frame) == 1) {
+    SPLATLAS_ASSIGN_OR_RETURN(
+        const SlicedStack sliced,
+        slice_stack(*std::ranges::find_if(stacks, is_same_frame), SliceGaps::kMissing, contours.file));
+    grid = sliced.grid;
+  }
+  return read_contours(contours.file, grid);
+}
 
-bool is_dicom(const std::filesystem::path& file_or_folder) {
+/// True if a file, or one of a folder, is of a kind.
+bool any_file(const std::filesystem::path& file_or_folder, bool (*is_it)(const std::filesystem::path&)) {
   constexpr int kMaxDepth = 16, kMaxFiles = 4096;
-  if (begins_as_dicom(file_or_folder)) return true;
+  if (is_it(file_or_folder)) return true;
   std::error_code error;
   if (!std::filesystem::is_directory(file_or_folder, error)) return false;
   using Iterator = std::filesystem::recursive_directory_iterator;
@@ -239,9 +256,21 @@ bool is_dicom(const std::filesystem::path& file_or_folder) {
     std::error_code ignored;
     if (!entry->is_regular_file(ignored)) continue;
     if (++files > kMaxFiles) return false;
-    if (begins_as_dicom(entry->path())) return true;
+    if (is_it(entry->path())) return true;
   }
   return false;
+}
+
+}  // namespace
+
+bool is_dicom(const std::filesystem::path& file_or_folder) {
+  return any_file(file_or_folder, begins_as_dicom);
+}
+
+bool is_contours(const std::filesystem::path& file_or_folder) {
+  return any_file(file_or_folder, [](const std::filesystem::path& file) {
+    return begins_as_dicom(file) && first_bytes(file).find(UID_RTStructureSetStorage) != std::string::npos;
+  });
 }
 
 Result<SourceImage> import_dicom(const std::filesystem::path& file_or_folder, const ImageOptions& options) {
@@ -249,11 +278,16 @@ Result<SourceImage> import_dicom(const std::filesystem::path& file_or_folder, co
   SPLATLAS_ASSIGN_OR_RETURN(const DicomFrames found, read_frames(file_or_folder));
   const Stacks stacks = wanted_stacks(group_frames(found.frames), options.labels);
   Notes notes;
+  if (options.labels) {
+    SPLATLAS_RETURN_IF_ERROR(check_one_segmentation(stacks, found.contours, file_or_folder));
+    if (!found.contours.empty()) return import_contours(found.contours.front(), stacks, options.grid);
+  }
   if (stacks.empty()) {
+    if (!found.contours.empty())
+      return bad_file(file_or_folder, "holds contours (RTSTRUCT), which are structures; give it as --labels");
     SPLATLAS_RETURN_IF_ERROR(check_faults(found.faults, "", 0, notes));
     return bad_file(file_or_folder, "holds no DICOM image; give the file or folder of a series");
   }
-  if (options.labels) SPLATLAS_RETURN_IF_ERROR(check_one_segmentation(stacks, file_or_folder));
   SPLATLAS_ASSIGN_OR_RETURN(const std::size_t n, chosen_stack(stacks, options.series, file_or_folder));
   const FrameStack& stack = stacks[n];
   SPLATLAS_RETURN_IF_ERROR(check_faults(found.faults, uid_of(stack), stacks.size(), notes));

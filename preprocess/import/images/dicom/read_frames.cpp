@@ -252,6 +252,12 @@ class FramesOfFile {
     DcmItem& dataset = *(*format)->getDataset();
     const std::string class_uid = text_in(*(*format)->getMetaInfo(), DCM_MediaStorageSOPClassUID);
     series_uid_ = text_in(dataset, DCM_SeriesInstanceUID);
+    if (class_uid == UID_RTStructureSetStorage) {
+      DcmItem* const structure = first_item(dataset, DCM_StructureSetROISequence);
+      found_.contours.push_back(
+          {file_, structure == nullptr ? "" : text_in(*structure, DCM_ReferencedFrameOfReferenceUID)});
+      return;
+    }
     if (!integer_in(dataset, DCM_Rows)) {
       if (is_image_class(class_uid)) {
         fault("has no pixels (Rows is missing): it is cut short; get the file again");

@@ -38,15 +38,7 @@ void add_terms(DcmItem& segment, std::vector<Term>& terms) {
 }
 
 SourceSegment segment_in(DcmItem& item, std::int64_t number, Notes& notes) {
-  static const NoteKind kUnnamed{"unnamed-segments", "segment has a label that cannot be a name",
-                                 "segments have labels that cannot be names"};
-  SourceSegment segment;
-  segment.value = number;
-  segment.structure.name = text_in(item, DCM_SegmentLabel);
-  if (!check_structure_name(segment.structure.name)) {
-    segment.structure.name = fmt::format("segment {}", number);
-    notes.add(kUnnamed, segment.structure.name);
-  }
+  SourceSegment segment = named_segment(text_in(item, DCM_SegmentLabel), number, notes);
   if (const auto lab = numbers_in<3>(item, DCM_RecommendedDisplayCIELabValue))
     segment.structure.color = color_of_lab(*lab);
   add_terms(item, segment.structure.terms);
@@ -74,26 +66,17 @@ Result<void> read_kind(DcmItem& dataset, const std::filesystem::path& path, Segm
   return {};
 }
 
-/// The voxels of one segment in one slice.
-struct SliceMask {
-  std::size_t slice = 0;
-  std::vector<bool> voxels;
-};
-
 /// Layers of segment numbers of type T.
 template <typename T>
 class Layers {
  public:
-  Layers(const SlicedStack& stack, const SegmentList& list, const std::filesystem::path& path)
-      : stack_(stack),
-        list_(list),
-        path_(path),
-        plane_(static_cast<std::size_t>(stack.grid.size[0] * stack.grid.size[1])) {
+  explicit Layers(const Grid& grid)
+      : plane_(static_cast<std::size_t>(grid.size[0] * grid.size[1])),
+        slices_(static_cast<std::size_t>(grid.size[2])) {
     add_layer();
   }
 
-  Result<void> add_masks(std::vector<SourceSegment>& segments) {
-    SPLATLAS_RETURN_IF_ERROR(check_numbers());
+  Result<void> add_masks(std::vector<SourceSegment>& segments, const MasksOf& masks_of) {
     for (SourceSegment& segment : segments) {
       SPLATLAS_ASSIGN_OR_RETURN(const std::vector<SliceMask> masks, masks_of(segment.value));
       std::size_t layer = 0;
@@ -105,22 +88,9 @@ class Layers {
     return {};
   }
 
-  Result<void> add_labels() {
-    for (std::size_t k = 0; k < stack_.slices.size(); ++k) {
-      if (stack_.slices[k].empty()) continue;
-      SPLATLAS_ASSIGN_OR_RETURN(const auto values, decoder_.decode(*stack_.slices[k].front()));
-      for (std::size_t v = 0; v < plane_; ++v) {
-        if (values[v] != list_.background) layers_[0][k * plane_ + v] = static_cast<T>(values[v]);
-      }
-      for (std::size_t n = 1; n < stack_.slices[k].size(); ++n) note_duplicate(*stack_.slices[k][n], notes_);
-    }
-    return {};
-  }
-
   void hand_over(SourceImage& image, VoxelType type) {
     image.layers = layers_.size();
     image.voxels.type = type;
-    image.notes.add(notes_);
     const std::size_t bytes = layers_[0].size() * sizeof(T);
     image.voxels.bytes.resize(bytes * layers_.size());
     for (std::size_t n = 0; n < layers_.size(); ++n)
@@ -130,14 +100,45 @@ class Layers {
  private:
   using Layer = std::vector<T>;
 
-  void add_layer() { layers_.emplace_back(plane_ * stack_.slices.size()); }
+  void add_layer() { layers_.emplace_back(plane_ * slices_); }
+
+  bool overlaps(const std::vector<SliceMask>& masks, const Layer& layer) const {
+    return std::ranges::any_of(masks, [&](const SliceMask& mask) {
+      const T* const voxels = &layer[mask.slice * plane_];
+      for (std::size_t v = 0; v < plane_; ++v) {
+        if (mask.voxels[v] && voxels[v] != 0) return true;
+      }
+      return false;
+    });
+  }
+
+  void write(const std::vector<SliceMask>& masks, T number, Layer& layer) const {
+    for (const SliceMask& mask : masks) {
+      for (std::size_t v = 0; v < plane_; ++v) {
+        if (mask.voxels[v]) layer[mask.slice * plane_ + v] = number;
+      }
+    }
+  }
+
+  std::size_t plane_, slices_;
+  std::vector<Layer> layers_;
+};
+
+/// Decodes the frames of a segmentation.
+class SegmentFrames {
+ public:
+  SegmentFrames(const SlicedStack& stack, const SegmentList& list, SourceImage& image)
+      : stack_(stack),
+        list_(list),
+        notes_(image.notes),
+        plane_(static_cast<std::size_t>(stack.grid.size[0] * stack.grid.size[1])) {}
 
   /// Each frame must name a segment of the list.
-  Result<void> check_numbers() {
+  Result<void> check_numbers(const std::filesystem::path& path) {
     for (const auto& slice : stack_.slices) {
       for (const DicomFrame* frame : slice) {
         if (std::ranges::find(list_.segments, frame->segment, &SourceSegment::value) == list_.segments.end())
-          return bad_file(path_, "has a frame of segment {}, which is not in its list", frame->segment);
+          return bad_file(path, "has a frame of segment {}, which is not in its list", frame->segment);
       }
     }
     return {};
@@ -163,46 +164,27 @@ class Layers {
     return masks;
   }
 
-  bool overlaps(const std::vector<SliceMask>& masks, const Layer& layer) const {
-    return std::ranges::any_of(masks, [&](const SliceMask& mask) {
-      const T* const voxels = &layer[mask.slice * plane_];
+  /// Writes the values of a label map.
+  template <typename T>
+  Result<void> write_labels(T* voxels) {
+    for (std::size_t k = 0; k < stack_.slices.size(); ++k) {
+      if (stack_.slices[k].empty()) continue;
+      SPLATLAS_ASSIGN_OR_RETURN(const auto values, decoder_.decode(*stack_.slices[k].front()));
       for (std::size_t v = 0; v < plane_; ++v) {
-        if (mask.voxels[v] && voxels[v] != 0) return true;
+        if (values[v] != list_.background) voxels[k * plane_ + v] = static_cast<T>(values[v]);
       }
-      return false;
-    });
-  }
-
-  void write(const std::vector<SliceMask>& masks, T number, Layer& layer) const {
-    for (const SliceMask& mask : masks) {
-      for (std::size_t v = 0; v < plane_; ++v) {
-        if (mask.voxels[v]) layer[mask.slice * plane_ + v] = number;
-      }
+      for (std::size_t n = 1; n < stack_.slices[k].size(); ++n) note_duplicate(*stack_.slices[k][n], notes_);
     }
+    return {};
   }
 
+ private:
   const SlicedStack& stack_;
   const SegmentList& list_;
-  const std::filesystem::path& path_;
+  Notes& notes_;
   std::size_t plane_;
-  std::vector<Layer> layers_;
   FrameDecoder decoder_;
-  Notes notes_;
 };
-
-template <typename T>
-Result<void> fill(const SlicedStack& stack, SegmentList& list, const std::filesystem::path& path,
-                  VoxelType type, SourceImage& image) {
-  Layers<T> layers(stack, list, path);
-  image.segments = list.segments;
-  if (list.kind == SegmentationKind::kLabelMap) {
-    SPLATLAS_RETURN_IF_ERROR(layers.add_labels());
-  } else {
-    SPLATLAS_RETURN_IF_ERROR(layers.add_masks(image.segments));
-  }
-  layers.hand_over(image, type);
-  return {};
-}
 
 }  // namespace
 
@@ -219,15 +201,31 @@ Result<SourceImage> read_segmentation(SlicedStack stack, const std::filesystem::
   image.is_segmentation = true;
   image.notes = std::move(stack.notes);
   image.notes.add(list.notes);
-  constexpr int kByte = 8;
-  const bool is_short =
-      list.segments.back().value > 255 || (is_label_map && frame.pixels.bits_stored > kByte);
-  if (is_short) {
-    SPLATLAS_RETURN_IF_ERROR(fill<std::uint16_t>(stack, list, path, VoxelType::kUInt16, image));
-  } else {
-    SPLATLAS_RETURN_IF_ERROR(fill<std::uint8_t>(stack, list, path, VoxelType::kUInt8, image));
+  image.segments = list.segments;
+  SegmentFrames frames(stack, list, image);
+  if (!is_label_map) {
+    SPLATLAS_RETURN_IF_ERROR(frames.check_numbers(path));
+    SPLATLAS_RETURN_IF_ERROR(fill_layers(image, [&](auto number) { return frames.masks_of(number); }));
+    return image;
   }
+  constexpr int kByte = 8;
+  const bool is_short = list.segments.back().value > 255 || frame.pixels.bits_stored > kByte;
+  image.voxels.type = is_short ? VoxelType::kUInt16 : VoxelType::kUInt8;
+  image.voxels.bytes.resize(static_cast<std::size_t>(image.grid.voxels()) * bytes_of(image.voxels.type));
+  SPLATLAS_RETURN_IF_ERROR(visit_voxel_type(
+      image.voxels.type, [&]<typename T>(T) { return frames.write_labels(image.voxels.as<T>()); }));
   return image;
+}
+
+Result<void> fill_layers(SourceImage& image, const MasksOf& masks_of) {
+  const auto fill = [&]<typename T>(Layers<T> layers, VoxelType type) -> Result<void> {
+    SPLATLAS_RETURN_IF_ERROR(layers.add_masks(image.segments, masks_of));
+    layers.hand_over(image, type);
+    return {};
+  };
+  constexpr std::int64_t kByte = 255;
+  if (image.segments.back().value > kByte) return fill(Layers<std::uint16_t>(image.grid), VoxelType::kUInt16);
+  return fill(Layers<std::uint8_t>(image.grid), VoxelType::kUInt8);
 }
 
 Result<SegmentList> read_segments(const std::filesystem::path& path) {
@@ -251,6 +249,19 @@ Result<SegmentList> read_segments(const std::filesystem::path& path) {
     return bad_file(path, "has two segments with number {}; give each its own", twice->value);
   if (list.segments.empty()) return bad_file(path, "is a segmentation without segments");
   return list;
+}
+
+SourceSegment named_segment(std::string label, std::int64_t number, Notes& notes) {
+  static const NoteKind kUnnamed{"unnamed-segments", "segment has a label that cannot be a name",
+                                 "segments have labels that cannot be names"};
+  SourceSegment segment;
+  segment.value = number;
+  segment.structure.name = std::move(label);
+  if (!check_structure_name(segment.structure.name)) {
+    segment.structure.name = fmt::format("segment {}", number);
+    notes.add(kUnnamed, segment.structure.name);
+  }
+  return segment;
 }
 
 Rgb color_of_lab(const std::array<double, 3>& encoded) {

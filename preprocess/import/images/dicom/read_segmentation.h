@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <string>
 #include <vector>
 
 #include "format/content/color.h"
@@ -36,6 +38,19 @@ struct SegmentList {
 /// Reads the header of a segmentation. kFailed for unknown kinds, and segment numbers that repeat or are out
 /// of range. Only labels, colours and codes of the header are returned.
 [[nodiscard]] Result<SegmentList> read_segments(const std::filesystem::path& path);
+
+/// A segment of a file; "segment 7", with a note, if its label cannot be a name.
+[[nodiscard]] SourceSegment named_segment(std::string label, std::int64_t number, Notes& notes);
+
+/// The voxels of one segment in one slice.
+struct SliceMask {
+  std::size_t slice = 0;
+  std::vector<bool> voxels;
+};
+using MasksOf = std::function<Result<std::vector<SliceMask>>(std::int64_t number)>;
+
+/// Fills the layers of an image with its segments, of ascending numbers, as read_segmentation() does.
+[[nodiscard]] Result<void> fill_layers(SourceImage& image, const MasksOf& masks_of);
 
 /// sRGB colour of a RecommendedDisplayCIELabValue, for the white point D65 that writers of segmentations use.
 /// Colours outside sRGB are clamped.

@@ -38,6 +38,7 @@ struct ImageOptions {
   std::optional<std::size_t> component = {};  ///< volume of a file of several, from 1
   std::optional<Vec3> spacing_mm = {};        ///< of stacks of pictures, which have none
   bool labels = false;  ///< of a DICOM folder with both, the segmentation is wanted and not the image
+  std::optional<Grid> grid = {};  ///< of contours, which have none
 };
 
 // Members, for archives.
