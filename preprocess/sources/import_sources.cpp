@@ -31,6 +31,7 @@ const NoteKind kFurtherErrors{"further-errors", "further problem", "further prob
 const NoteKind kVolumeResampled{
     "resampled-volume", "volume is on another grid than the labels and is interpolated at their voxels",
     "volumes are on other grids than the labels and are interpolated at their voxels", true};
+const NoteKind kOtherFrame{"other-frame-of-reference", "", "", true};
 const NoteKind kMaskResampled{
     "resampled-segment-masks", "mask of a segment is on another grid and is resampled to the nearest voxel",
     "masks of segments are on other grids and are resampled to the nearest voxel", true};
@@ -82,8 +83,7 @@ class SourceImporter {
     keep_error(collect_names());
     keep_error(import_tree());
     // Labels first, unless they need the grid of the volume: reading them takes the most memory.
-    const bool to_volume = files_.resample == ResampleTo::kVolume ||
-                           (files_.resample == ResampleTo::kAsk && is_contours(files_.labels));
+    const bool to_volume = files_.resample == ResampleTo::kVolume || is_contours(files_.labels);
     if (to_volume) keep_error(import_volume());
     keep_error(import_names());
     keep_error(import_labels());
@@ -154,7 +154,6 @@ class SourceImporter {
     return remember("tree", files_.tree);
   }
 
-  /// Reads the volume on its own grid.
   Result<void> import_volume() {
     if (files_.volume.empty()) return {};
     ImageOptions options = files_.volume_options;
@@ -171,8 +170,7 @@ class SourceImporter {
 
   Result<void> import_labels() {
     if (files_.labels.empty()) return {};
-    std::optional<Grid> grid;
-    if (volume_) grid = volume_->grid;
+    const std::optional<Grid> grid = volume_ ? std::optional(volume_->grid) : std::nullopt;
     SPLATLAS_ASSIGN_OR_RETURN(
         ImportedLabels labels,
         splatlas::import_labels(files_.labels, {.spacing_mm = files_.spacing_mm}, grid));
@@ -205,6 +203,7 @@ class SourceImporter {
     model_.memberships = std::move(labels.memberships);
     model_.structures = std::move(labels.structures);
     labels_source_ = labels.source;
+    labels_frame_ = labels.frame_of_reference;
     return {};
   }
 
@@ -239,15 +238,17 @@ class SourceImporter {
   Result<void> place_volume() {
     if (!volume_) return {};
     if (files_.labels.empty()) model_.source_grid = volume_->grid;
+    const std::size_t frame = volume_->frame_of_reference;
+    if (frame != 0 && labels_frame_ != 0 && frame != labels_frame_)
+      notes_.add(kOtherFrame, "labels and volume differ in FrameOfReferenceUID, and need not fit");
     if (!have_same_voxels(model_.source_grid, volume_->grid)) {
       const std::string difference =
           check_same_grid(model_.source_grid, labels_source_, volume_->grid, files_.volume.string())
               .error()
               .message;
-      if (!(overlap(model_.source_grid, volume_->grid) > 0)) {
+      if (!(overlap(model_.source_grid, volume_->grid) > 0))
         return fail(ErrorCode::kFailed,
                     "{}, and they do not overlap; were they made of one patient and frame?", difference);
-      }
       notes_.add(kVolumeResampled, fmt::format("{} ({}; --resample volume keeps its grid instead)",
                                                files_.volume.string(), difference));
       volume_->voxels = resample_linear(*volume_, model_.source_grid);
@@ -346,6 +347,7 @@ class SourceImporter {
   std::optional<Image> volume_;
   std::optional<NamesTable> names_;
   std::string labels_source_;
+  std::size_t labels_frame_ = 0;
   std::optional<Error> error_;                         // the first one
   std::map<std::string, std::string> option_of_name_;  // by name_key
 };

@@ -256,7 +256,11 @@ Result<ImportedLabels> read_segments(SourceImage image, const std::string& name)
                      [&]<typename T>(T) { read_layer<T>(image.segments, n, layer, result, counts); });
   }
   drop_empty(result, counts);
-  if (result.structures.empty()) return bad_file(name, "holds no segment with voxels");
+  if (result.structures.empty()) {
+    std::string text = "holds no segment with voxels";
+    for (const Note& note : result.notes.all()) text += "; " + note.message();
+    return bad_file(name, "{}", text);
+  }
   if (image.layers == 1) {
     result.type = image.voxels.type;
   } else {
@@ -312,6 +316,7 @@ Result<ImportedLabels> import_labels(const fs::path& path, ImageOptions options,
     return fail(ErrorCode::kFailed, "{}, and they do not overlap; were they made of one patient and frame?",
                 check_same_grid(image.grid, path.string(), *grid, "the volume").error().message);
   }
+  const std::size_t frame_of_reference = image.frame_of_reference;
   SourceImage moved = is_resampled ? resample_nearest(image, *grid) : SourceImage();
   SPLATLAS_ASSIGN_OR_RETURN(ImportedLabels labels, read_structures(std::move(image), path.string()));
   if (is_resampled) {
@@ -323,6 +328,7 @@ Result<ImportedLabels> import_labels(const fs::path& path, ImageOptions options,
     labels = std::move(resampled);
   }
   labels.files = {path};
+  labels.frame_of_reference = frame_of_reference;
   return labels;
 }
 

@@ -126,45 +126,33 @@ Result<VoxelBuffer> read_volume(const SlicedStack& stack, Notes& notes) {
 
 using Stacks = std::vector<FrameStack>;
 
+/// To compare only: a UID may hold a date.
+std::size_t hash_of(const std::string& frame_of_reference) {
+  return frame_of_reference.empty() ? 0 : std::hash<std::string>{}(frame_of_reference);
+}
+
 const std::string& uid_of(const FrameStack& stack) {
   return stack.frames.front()->series_uid;
-}
-
-using Uids = std::set<std::string>;
-
-/// What may tell a stack from one that looks like it.
-std::array<std::string, 4> details_of(const FrameStack& stack, const Uids& frames) {
-  const DicomFrame& first = *stack.frames.front();
-  return {
-      fmt::format("normal {}", position_text(normal_of(first))),
-      fmt::format("frame of reference {} of {}",
-                  std::distance(frames.begin(), frames.find(first.frame_of_reference)) + 1, frames.size()),
-      fmt::format("series number {}", first.series_number),
-      fmt::format("with {} at {}", first.file.filename().string(), position_text(first.position))};
-}
-
-/// The description of a stack, and how it differs from others of the same description.
-std::string told_apart(const FrameStack& stack, const Stacks& stacks, const Uids& frames) {
-  const std::string plain = description(stack);
-  const auto details = details_of(stack, frames);
-  std::array<bool, 4> differs{};
-  for (const FrameStack& other : stacks) {
-    if (description(other) != plain) continue;
-    const auto others = details_of(other, frames);
-    for (std::size_t n = 0; n < details.size(); ++n) differs[n] = differs[n] || details[n] != others[n];
-  }
-  std::string text = plain;
-  for (std::size_t n = 0; n < details.size(); ++n) text += differs[n] ? ", " + details[n] : "";
-  return text;
 }
 
 std::string list_of(const Stacks& stacks) {
   constexpr std::size_t kMaxListed = 50;
   std::string text = fmt::format("holds {} series; choose one with --series N", stacks.size());
-  Uids frames;
-  for (const FrameStack& stack : stacks) frames.insert(stack.frames.front()->frame_of_reference);
-  for (std::size_t n = 0; n < std::min(stacks.size(), kMaxListed); ++n)
-    text += fmt::format("{} {}: {}", n == 0 ? ":" : ";", n + 1, told_apart(stacks[n], stacks, frames));
+  std::vector<std::string> texts;
+  std::set<std::string> frames;
+  for (const FrameStack& stack : stacks) {
+    texts.push_back(description(stack));
+    frames.insert(stack.frames.front()->frame_of_reference);
+  }
+  for (std::size_t n = 0; n < std::min(stacks.size(), kMaxListed); ++n) {
+    text += fmt::format("{} {}: {}", n == 0 ? ":" : ";", n + 1, texts[n]);
+    if (std::ranges::count(texts, texts[n]) == 1) continue;
+    const DicomFrame& first = *stacks[n].frames.front();
+    text += fmt::format(", number {}, normal {}, frame of reference {} of {}, {} at {}", first.series_number,
+                        position_text(normal_of(first)),
+                        std::distance(frames.begin(), frames.find(first.frame_of_reference)) + 1,
+                        frames.size(), first.file.filename().string(), position_text(first.position));
+  }
   if (stacks.size() > kMaxListed) text += fmt::format("; and {} more", stacks.size() - kMaxListed);
   return text;
 }
@@ -238,7 +226,9 @@ Result<SourceImage> import_contours(const ContourFile& contours, const Stacks& s
         slice_stack(*std::ranges::find_if(stacks, is_same_frame), SliceGaps::kMissing, contours.file));
     grid = sliced.grid;
   }
-  return read_contours(contours.file, grid);
+  SPLATLAS_ASSIGN_OR_RETURN(SourceImage image, read_contours(contours.file, grid));
+  image.frame_of_reference = hash_of(contours.frame_of_reference);
+  return image;
 }
 
 /// True if a file, or one of a folder, is of a kind.
@@ -303,6 +293,7 @@ Result<SourceImage> import_dicom(const std::filesystem::path& file_or_folder, co
     image.notes = sliced.notes;
     SPLATLAS_ASSIGN_OR_RETURN(image.voxels, read_volume(sliced, image.notes));
   }
+  image.frame_of_reference = hash_of(first.frame_of_reference);
   image.notes.add(notes);
   return image;
 }

@@ -8,8 +8,9 @@
 
 namespace splatlas {
 
-/// True for a file with "DICM" at byte 128, whatever its ending, and for a folder that holds such a file at
-/// most 16 levels below. Cost: opens files until the first hit, at most 4096. Thread-safe.
+/// True for a file that begins as DICOM, with a preamble or without, whatever its ending, and for a folder
+/// that holds such a file at most 16 levels below. Cost: opens files until the first hit, at most 4096.
+/// Thread-safe.
 [[nodiscard]] bool is_dicom(const std::filesystem::path& file_or_folder);
 
 /// True for a file of contours (RTSTRUCT), which has no grid of its own, and for a folder that holds one.

@@ -7,6 +7,7 @@
 
 #include "format/result_macros.h"
 #include "preprocess/import/images/dicom/dicom_item.h"
+#include "preprocess/import/images/dicom/mask_layers.h"
 #include "preprocess/import/images/dicom/read_segmentation.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
 #include "preprocess/import/import_error.h"
@@ -44,12 +45,9 @@ Contour points_in(DcmItem& item) {
 
 Result<void> read_contours_of(DcmItem& item, const std::filesystem::path& path, Region& region,
                               SourceStructure& structure, Notes& notes) {
-  constexpr double kByte = 255;
   if (const auto rgb = numbers_in<3>(item, DCM_ROIDisplayColor)) {
-    const auto channel = [&](std::size_t c) {
-      return static_cast<std::uint8_t>(std::clamp((*rgb)[c], 0.0, kByte));
-    };
-    structure.color = Rgb{channel(0), channel(1), channel(2)};
+    const auto channel = [](double c) { return static_cast<std::uint8_t>(std::clamp(c, 0.0, 255.0)); };
+    structure.color = Rgb{channel((*rgb)[0]), channel((*rgb)[1]), channel((*rgb)[2])};
   }
   bool has_open = false;
   for (DcmItem* const one : items_in(item, DCM_ContourSequence)) {
@@ -96,8 +94,7 @@ Result<Grid> grid_around(const std::vector<Region>& regions, const std::filesyst
         for (std::size_t a = 0; a < 3; ++a)
           coordinates[a].insert(std::round(point[a] * kRounding) / kRounding);
         if (std::abs(point[2] - contour[0][2]) > 1 / kRounding)
-          return bad_file(path,
-                          "has contours that are not axial; give the --volume on which they were drawn");
+          return bad_file(path, "has contours that are not axial; give the --volume of their slices");
       }
     }
   }
@@ -114,8 +111,8 @@ Result<Grid> grid_around(const std::vector<Region>& regions, const std::filesyst
     const double low = *coordinates[a].begin(),
                  first = a == 2 ? low : (std::floor(low / pixel) + 0.5) * pixel;
     grid.origin_lps_mm[a] = first - grid.spacing_mm[a];
-    const double steps = std::ceil((*coordinates[a].rbegin() - first) / grid.spacing_mm[a] - 1e-3);
-    grid.size[a] = static_cast<std::int64_t>(std::min(steps, 1e9)) + 3;
+    const double steps = (*coordinates[a].rbegin() - first) / grid.spacing_mm[a];
+    grid.size[a] = static_cast<std::int64_t>(std::ceil(steps - 1e-3)) + 3;
   }
   SPLATLAS_RETURN_IF_ERROR(payload_bytes(path, grid.size, sizeof(float)));
   return grid;
@@ -172,7 +169,7 @@ Result<Planes> planes_of(const Region& region, const Grid& grid, const std::file
     }
     const auto [low, high] = std::ranges::minmax(contour, {}, [](const Vec3& point) { return point[2]; });
     if (high[2] - low[2] > 1.0 / 2)
-      return bad_file(path, "has contours across slices; give the --volume on which they were drawn");
+      return bad_file(path, "has contours across slices; give the --volume of their slices");
     planes[std::round((low[2] + high[2]) / 2 * kPlaceDigits) / kPlaceDigits].push_back(std::move(contour));
   }
   return planes;
@@ -211,14 +208,15 @@ Result<SourceImage> read_contours(const std::filesystem::path& path, const std::
   } else {
     SPLATLAS_ASSIGN_OR_RETURN(image.grid, grid_around(regions, path));
   }
-  const auto fill = [&](std::int64_t number) -> Result<std::vector<SliceMask>> {
-    const auto n = static_cast<std::size_t>(number - 1);
+  MaskLayers<std::uint16_t> layers(image.grid);
+  for (SourceSegment& segment : image.segments) {
+    const Region& region = regions[static_cast<std::size_t>(segment.value - 1)];
     bool is_cut = false;
-    SPLATLAS_ASSIGN_OR_RETURN(const Planes planes, planes_of(regions[n], image.grid, path, is_cut));
-    if (is_cut) image.notes.add(kCut, image.segments[n].structure.name);
-    return masks_of(planes, image.grid);
-  };
-  SPLATLAS_RETURN_IF_ERROR(fill_layers(image, fill));
+    SPLATLAS_ASSIGN_OR_RETURN(const Planes planes, planes_of(region, image.grid, path, is_cut));
+    if (is_cut) image.notes.add(kCut, segment.structure.name);
+    segment.layer = layers.add(masks_of(planes, image.grid), static_cast<std::uint16_t>(segment.value));
+  }
+  layers.hand_over(image);
   return image;
 }
 

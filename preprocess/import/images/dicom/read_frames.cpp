@@ -250,7 +250,8 @@ class FramesOfFile {
       return;
     }
     DcmItem& dataset = *(*format)->getDataset();
-    const std::string class_uid = text_in(*(*format)->getMetaInfo(), DCM_MediaStorageSOPClassUID);
+    std::string class_uid = text_in(*(*format)->getMetaInfo(), DCM_MediaStorageSOPClassUID);
+    if (class_uid.empty()) class_uid = text_in(dataset, DCM_SOPClassUID);
     series_uid_ = text_in(dataset, DCM_SeriesInstanceUID);
     if (class_uid == UID_RTStructureSetStorage) {
       DcmItem* const structure = first_item(dataset, DCM_StructureSetROISequence);

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "format/result_macros.h"
 #include "preprocess/import/images/dicom/decode/decode_frame.h"
 #include "preprocess/import/images/dicom/dicom_item.h"
+#include "preprocess/import/images/dicom/mask_layers.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/text_file.h"
 
@@ -70,121 +70,97 @@ Result<void> read_kind(DcmItem& dataset, const std::filesystem::path& path, Segm
 template <typename T>
 class Layers {
  public:
-  explicit Layers(const Grid& grid)
-      : plane_(static_cast<std::size_t>(grid.size[0] * grid.size[1])),
-        slices_(static_cast<std::size_t>(grid.size[2])) {
-    add_layer();
-  }
+  Layers(const SlicedStack& stack, const SegmentList& list, const std::filesystem::path& path)
+      : stack_(stack), list_(list), path_(path), layers_(stack.grid), plane_(layers_.plane()) {}
 
-  Result<void> add_masks(std::vector<SourceSegment>& segments, const MasksOf& masks_of) {
+  Result<void> add_masks(std::vector<SourceSegment>& segments) {
+    SPLATLAS_RETURN_IF_ERROR(check_numbers());
     for (SourceSegment& segment : segments) {
-      SPLATLAS_ASSIGN_OR_RETURN(const std::vector<SliceMask> masks, masks_of(segment.value));
-      std::size_t layer = 0;
-      while (layer < layers_.size() && overlaps(masks, layers_[layer])) ++layer;
-      if (layer == layers_.size()) add_layer();
-      segment.layer = layer;
-      write(masks, static_cast<T>(segment.value), layers_[layer]);
+      SPLATLAS_ASSIGN_OR_RETURN(const std::vector<SliceMask> masks, masks_of(segment));
+      segment.layer = layers_.add(masks, static_cast<T>(segment.value));
     }
     return {};
   }
 
-  void hand_over(SourceImage& image, VoxelType type) {
-    image.layers = layers_.size();
-    image.voxels.type = type;
-    const std::size_t bytes = layers_[0].size() * sizeof(T);
-    image.voxels.bytes.resize(bytes * layers_.size());
-    for (std::size_t n = 0; n < layers_.size(); ++n)
-      std::memcpy(&image.voxels.bytes[n * bytes], layers_[n].data(), bytes);
-  }
-
- private:
-  using Layer = std::vector<T>;
-
-  void add_layer() { layers_.emplace_back(plane_ * slices_); }
-
-  bool overlaps(const std::vector<SliceMask>& masks, const Layer& layer) const {
-    return std::ranges::any_of(masks, [&](const SliceMask& mask) {
-      const T* const voxels = &layer[mask.slice * plane_];
-      for (std::size_t v = 0; v < plane_; ++v) {
-        if (mask.voxels[v] && voxels[v] != 0) return true;
-      }
-      return false;
-    });
-  }
-
-  void write(const std::vector<SliceMask>& masks, T number, Layer& layer) const {
-    for (const SliceMask& mask : masks) {
-      for (std::size_t v = 0; v < plane_; ++v) {
-        if (mask.voxels[v]) layer[mask.slice * plane_ + v] = number;
-      }
-    }
-  }
-
-  std::size_t plane_, slices_;
-  std::vector<Layer> layers_;
-};
-
-/// Decodes the frames of a segmentation.
-class SegmentFrames {
- public:
-  SegmentFrames(const SlicedStack& stack, const SegmentList& list, SourceImage& image)
-      : stack_(stack),
-        list_(list),
-        notes_(image.notes),
-        plane_(static_cast<std::size_t>(stack.grid.size[0] * stack.grid.size[1])) {}
-
-  /// Each frame must name a segment of the list.
-  Result<void> check_numbers(const std::filesystem::path& path) {
-    for (const auto& slice : stack_.slices) {
-      for (const DicomFrame* frame : slice) {
-        if (std::ranges::find(list_.segments, frame->segment, &SourceSegment::value) == list_.segments.end())
-          return bad_file(path, "has a frame of segment {}, which is not in its list", frame->segment);
-      }
-    }
-    return {};
-  }
-
-  Result<std::vector<SliceMask>> masks_of(std::int64_t number) {
-    std::vector<SliceMask> masks;
-    for (std::size_t k = 0; k < stack_.slices.size(); ++k) {
-      bool is_first = true;
-      for (const DicomFrame* frame : stack_.slices[k]) {
-        if (frame->segment != number) continue;
-        if (!std::exchange(is_first, false)) {
-          note_duplicate(*frame, notes_);
-          continue;
-        }
-        SPLATLAS_ASSIGN_OR_RETURN(const auto values, decoder_.decode(*frame));
-        const std::int32_t max = list_.kind == SegmentationKind::kFractional ? list_.max_fraction : 1;
-        SliceMask mask{k, std::vector<bool>(plane_)};
-        for (std::size_t v = 0; v < plane_; ++v) mask.voxels[v] = 2 * values[v] > max;
-        masks.push_back(std::move(mask));
-      }
-    }
-    return masks;
-  }
-
-  /// Writes the values of a label map.
-  template <typename T>
-  Result<void> write_labels(T* voxels) {
+  Result<void> add_labels() {
     for (std::size_t k = 0; k < stack_.slices.size(); ++k) {
       if (stack_.slices[k].empty()) continue;
       SPLATLAS_ASSIGN_OR_RETURN(const auto values, decoder_.decode(*stack_.slices[k].front()));
       for (std::size_t v = 0; v < plane_; ++v) {
-        if (values[v] != list_.background) voxels[k * plane_ + v] = static_cast<T>(values[v]);
+        if (values[v] != list_.background) layers_.first()[k * plane_ + v] = static_cast<T>(values[v]);
       }
       for (std::size_t n = 1; n < stack_.slices[k].size(); ++n) note_duplicate(*stack_.slices[k][n], notes_);
     }
     return {};
   }
 
+  void hand_over(SourceImage& image) {
+    image.notes.add(notes_);
+    layers_.hand_over(image);
+  }
+
  private:
+  /// Each frame must name a segment of the list.
+  Result<void> check_numbers() {
+    for (const auto& slice : stack_.slices) {
+      for (const DicomFrame* frame : slice) {
+        if (std::ranges::find(list_.segments, frame->segment, &SourceSegment::value) == list_.segments.end())
+          return bad_file(path_, "has a frame of segment {}, which is not in its list", frame->segment);
+      }
+    }
+    return {};
+  }
+
+  Result<std::vector<SliceMask>> masks_of(const SourceSegment& segment) {
+    static const NoteKind kLow{"low-fractions", "segment has no fraction above one half, which a voxel needs",
+                               "segments have no fractions above one half, which voxels need", true};
+    std::vector<SliceMask> masks;
+    const std::int32_t max = list_.kind == SegmentationKind::kFractional ? list_.max_fraction : 1;
+    std::int32_t largest = 0;
+    for (std::size_t k = 0; k < stack_.slices.size(); ++k) {
+      bool is_first = true;
+      for (const DicomFrame* frame : stack_.slices[k]) {
+        if (frame->segment != segment.value) continue;
+        if (!std::exchange(is_first, false)) {
+          note_duplicate(*frame, notes_);
+          continue;
+        }
+        SPLATLAS_ASSIGN_OR_RETURN(const auto values, decoder_.decode(*frame));
+        largest = std::max(largest, std::ranges::max(values));
+        SliceMask mask{k, std::vector<bool>(plane_)};
+        for (std::size_t v = 0; v < plane_; ++v) mask.voxels[v] = 2 * values[v] > max;
+        masks.push_back(std::move(mask));
+      }
+    }
+    if (largest > 0 && 2 * largest <= max) {
+      notes_.add(kLow, fmt::format("{} (largest {:.3g})", segment.structure.name,
+                                   static_cast<double>(largest) / max));
+    }
+    return masks;
+  }
+
   const SlicedStack& stack_;
   const SegmentList& list_;
-  Notes& notes_;
+  const std::filesystem::path& path_;
+  MaskLayers<T> layers_;
   std::size_t plane_;
   FrameDecoder decoder_;
+  Notes notes_;
 };
+
+template <typename T>
+Result<void> fill(const SlicedStack& stack, SegmentList& list, const std::filesystem::path& path,
+                  SourceImage& image) {
+  Layers<T> layers(stack, list, path);
+  image.segments = list.segments;
+  if (list.kind == SegmentationKind::kLabelMap) {
+    SPLATLAS_RETURN_IF_ERROR(layers.add_labels());
+  } else {
+    SPLATLAS_RETURN_IF_ERROR(layers.add_masks(image.segments));
+  }
+  layers.hand_over(image);
+  return {};
+}
 
 }  // namespace
 
@@ -201,31 +177,15 @@ Result<SourceImage> read_segmentation(SlicedStack stack, const std::filesystem::
   image.is_segmentation = true;
   image.notes = std::move(stack.notes);
   image.notes.add(list.notes);
-  image.segments = list.segments;
-  SegmentFrames frames(stack, list, image);
-  if (!is_label_map) {
-    SPLATLAS_RETURN_IF_ERROR(frames.check_numbers(path));
-    SPLATLAS_RETURN_IF_ERROR(fill_layers(image, [&](auto number) { return frames.masks_of(number); }));
-    return image;
-  }
   constexpr int kByte = 8;
-  const bool is_short = list.segments.back().value > 255 || frame.pixels.bits_stored > kByte;
-  image.voxels.type = is_short ? VoxelType::kUInt16 : VoxelType::kUInt8;
-  image.voxels.bytes.resize(static_cast<std::size_t>(image.grid.voxels()) * bytes_of(image.voxels.type));
-  SPLATLAS_RETURN_IF_ERROR(visit_voxel_type(
-      image.voxels.type, [&]<typename T>(T) { return frames.write_labels(image.voxels.as<T>()); }));
+  const bool is_short =
+      list.segments.back().value > 255 || (is_label_map && frame.pixels.bits_stored > kByte);
+  if (is_short) {
+    SPLATLAS_RETURN_IF_ERROR(fill<std::uint16_t>(stack, list, path, image));
+  } else {
+    SPLATLAS_RETURN_IF_ERROR(fill<std::uint8_t>(stack, list, path, image));
+  }
   return image;
-}
-
-Result<void> fill_layers(SourceImage& image, const MasksOf& masks_of) {
-  const auto fill = [&]<typename T>(Layers<T> layers, VoxelType type) -> Result<void> {
-    SPLATLAS_RETURN_IF_ERROR(layers.add_masks(image.segments, masks_of));
-    layers.hand_over(image, type);
-    return {};
-  };
-  constexpr std::int64_t kByte = 255;
-  if (image.segments.back().value > kByte) return fill(Layers<std::uint16_t>(image.grid), VoxelType::kUInt16);
-  return fill(Layers<std::uint8_t>(image.grid), VoxelType::kUInt8);
 }
 
 Result<SegmentList> read_segments(const std::filesystem::path& path) {

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -41,16 +40,6 @@ struct SegmentList {
 
 /// A segment of a file; "segment 7", with a note, if its label cannot be a name.
 [[nodiscard]] SourceSegment named_segment(std::string label, std::int64_t number, Notes& notes);
-
-/// The voxels of one segment in one slice.
-struct SliceMask {
-  std::size_t slice = 0;
-  std::vector<bool> voxels;
-};
-using MasksOf = std::function<Result<std::vector<SliceMask>>(std::int64_t number)>;
-
-/// Fills the layers of an image with its segments, of ascending numbers, as read_segmentation() does.
-[[nodiscard]] Result<void> fill_layers(SourceImage& image, const MasksOf& masks_of);
 
 /// sRGB colour of a RecommendedDisplayCIELabValue, for the white point D65 that writers of segmentations use.
 /// Colours outside sRGB are clamped.

@@ -23,16 +23,28 @@ bool is_near(std::span<const double> a, std::span<const double> b, double tolera
 
 bool belong_together(const DicomFrame& a, const DicomFrame& b) {
   constexpr double kOrientation = 1e-3, kSpacing = 1e-4;
-  if (a.is_segmentation || b.is_segmentation)
-    return a.is_segmentation == b.is_segmentation && a.file == b.file &&
-           is_near(a.row, b.row, kOrientation) && is_near(a.column, b.column, kOrientation) &&
-           is_near(a.spacing, b.spacing, kSpacing);
-  return a.series_uid == b.series_uid && a.frame_of_reference == b.frame_of_reference &&
-         a.pixels.rows == b.pixels.rows && a.pixels.columns == b.pixels.columns &&
-         is_near(a.row, b.row, kOrientation) && is_near(a.column, b.column, kOrientation) &&
-         is_near(a.spacing, b.spacing, kSpacing);
+  const bool is_one_series =
+      a.is_segmentation ? a.file == b.file
+                        : a.series_uid == b.series_uid && a.frame_of_reference == b.frame_of_reference &&
+                              a.pixels.rows == b.pixels.rows && a.pixels.columns == b.pixels.columns;
+  return a.is_segmentation == b.is_segmentation && is_one_series && is_near(a.row, b.row, kOrientation) &&
+         is_near(a.column, b.column, kOrientation) && is_near(a.spacing, b.spacing, kSpacing);
 }
 
+/// Positions within this distance are one, in mm.
+constexpr double kSamePosition = 1e-3;
+
+/// Maximum deviation of a slice: 1 % of the step, at least the rounding of 0.01 mm in positions.
+double max_deviation_mm(double step_mm) {
+  constexpr double kShare = 0.01, kRounding = 0.01, kMaxShare = 0.05;
+  return std::max(kShare * step_mm, std::min(kRounding, kMaxShare * step_mm));
+}
+
+/// The frames at one position.
+struct SlicePosition {
+  double height = 0;  ///< mm along the normal
+  Frames frames;
+};
 using Positions = std::vector<SlicePosition>;
 
 std::vector<double> steps_of(const Positions& positions) {
@@ -40,6 +52,32 @@ std::vector<double> steps_of(const Positions& positions) {
   for (std::size_t n = 1; n < positions.size(); ++n)
     steps.push_back(positions[n].height - positions[n - 1].height);
   return steps;
+}
+
+/// In ascending order along the first frame's normal. Those within kSamePosition, or 5 % of the median step,
+/// are one.
+Positions slice_positions(const Frames& frames) {
+  constexpr double kNear = 0.05;
+  const Vec3 normal = normal_of(*frames.front());
+  Positions positions;
+  for (const DicomFrame* frame : frames) positions.push_back({dot(normal, frame->position), {frame}});
+  std::ranges::stable_sort(positions, {}, &SlicePosition::height);
+  const auto merge = [&](double distance_mm) {
+    for (SlicePosition& next : std::exchange(positions, {})) {
+      if (!positions.empty() && next.height - positions.back().height <= distance_mm) {
+        std::ranges::copy(next.frames, std::back_inserter(positions.back().frames));
+      } else {
+        positions.push_back(std::move(next));
+      }
+    }
+  };
+  merge(kSamePosition);
+  if (std::vector<double> steps = steps_of(positions); !steps.empty()) {
+    const auto middle = steps.begin() + std::ssize(steps) / 2;
+    std::ranges::nth_element(steps, middle);
+    merge(std::max(kSamePosition, kNear * *middle));
+  }
+  return positions;
 }
 
 double span_of(const Positions& positions) {
@@ -91,7 +129,7 @@ bool is_even(const Positions& positions) {
          places_of(positions, step).back() < static_cast<double>(positions.size());
 }
 
-bool repeats(std::span<const SlicePosition> positions) {
+bool repeats(const Positions& positions) {
   return std::ranges::any_of(positions, [](const SlicePosition& p) { return p.frames.size() > 1; });
 }
 
@@ -323,36 +361,6 @@ Result<SlicedStack> slice_stack(const FrameStack& stack, SliceGaps gaps, const s
 
 Vec3 normal_of(const DicomFrame& frame) {
   return cross(frame.row, frame.column);
-}
-
-std::vector<SlicePosition> slice_positions(std::span<const DicomFrame* const> frames) {
-  constexpr double kNear = 0.05;
-  if (frames.empty()) return {};
-  const Vec3 normal = normal_of(*frames.front());
-  Positions positions;
-  for (const DicomFrame* frame : frames) positions.push_back({dot(normal, frame->position), {frame}});
-  std::ranges::stable_sort(positions, {}, &SlicePosition::height);
-  const auto merge = [&](double distance_mm) {
-    for (SlicePosition& next : std::exchange(positions, {})) {
-      if (!positions.empty() && next.height - positions.back().height <= distance_mm) {
-        std::ranges::copy(next.frames, std::back_inserter(positions.back().frames));
-      } else {
-        positions.push_back(std::move(next));
-      }
-    }
-  };
-  merge(kSamePosition);
-  if (std::vector<double> steps = steps_of(positions); !steps.empty()) {
-    const auto middle = steps.begin() + std::ssize(steps) / 2;
-    std::ranges::nth_element(steps, middle);
-    merge(std::max(kSamePosition, kNear * *middle));
-  }
-  return positions;
-}
-
-double max_deviation_mm(double step_mm) {
-  constexpr double kShare = 0.01, kRounding = 0.01, kMaxShare = 0.05;
-  return std::max(kShare * step_mm, std::min(kRounding, kMaxShare * step_mm));
 }
 
 std::string position_text(const Vec3& position_lps_mm) {

@@ -50,24 +50,8 @@ enum class SliceGaps { kMissing, kEmpty };
 [[nodiscard]] Result<SlicedStack> slice_stack(const FrameStack& stack, SliceGaps gaps,
                                               const std::filesystem::path& path);
 
-/// Positions within this distance are one, in mm.
-inline constexpr double kSamePosition = 1e-3;
-
-/// The frames at one position.
-struct SlicePosition {
-  double height = 0;  ///< mm along the normal
-  std::vector<const DicomFrame*> frames;
-};
-
 /// Row x column: where slices come to lie in a right-handed grid.
 [[nodiscard]] Vec3 normal_of(const DicomFrame& frame);
-/// Positions in ascending order along the first frame's normal. Those within kSamePosition, or 5 % of the
-/// median step, are one.
-[[nodiscard]] std::vector<SlicePosition> slice_positions(std::span<const DicomFrame* const> frames);
-
-/// Maximum deviation of a slice: 1 % of the step, at least the rounding of 0.01 mm in positions.
-[[nodiscard]] double max_deviation_mm(double step_mm);
-
 /// "(0, 0, 12.5)", for messages.
 [[nodiscard]] std::string position_text(const Vec3& position_lps_mm);
 /// Notes a frame that is ignored for another one at its position.

@@ -5,6 +5,7 @@
 namespace splatlas {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -24,8 +25,8 @@ class DicomContours : public ImportDicom {
   /// Voxels of a segment in each slice.
   static std::vector<std::int64_t> counts(const SourceImage& image, std::size_t n) {
     const std::int64_t plane = image.grid.size[0] * image.grid.size[1];
-    const std::uint8_t* slice = image.voxels.as<std::uint8_t>() +
-                                static_cast<std::int64_t>(image.segments[n].layer) * image.grid.voxels();
+    const std::uint16_t* slice = image.voxels.as<std::uint16_t>() +
+                                 static_cast<std::int64_t>(image.segments[n].layer) * image.grid.voxels();
     std::vector<std::int64_t> result;
     for (std::int64_t k = 0; k < image.grid.size[2]; ++k, slice += plane)
       result.push_back(std::count(slice, slice + plane, image.segments[n].value));
@@ -73,8 +74,13 @@ TEST_F(DicomContours, HaveAGridOfTheirOwnWithoutASeries) {
 
 TEST_F(DicomContours, LieOnTheVolume) {
   std::filesystem::create_directory(file("ct"));
-  for (int k = 0; k < 5; ++k) write_slice(axial(k), file(fmt::format("ct/{}", k)));
-  write_contours({{"Box", {box(-0.5, 9, 2.25, 2.75, 12)}}, {"Seed", {{{0, 2, 12}}}, "POINT"}}, file("rt"));
+  for (int k = 0; k < 5; ++k) {
+    TestSlice slice = axial(k);
+    slice.texts = {{{0x0020, 0x0052}, "1.7"}};
+    write_slice(slice, file(fmt::format("ct/{}", k)));
+  }
+  write_contours({{"Box", {box(-0.5, 9, 2.25, 2.75, 12)}}, {"Seed", {{{0, 2, 12}}}, "POINT"}}, file("rt"),
+                 "1.8");
   SourceFiles files;
   files.labels = file("rt");
   files.volume = file("ct");
@@ -82,8 +88,10 @@ TEST_F(DicomContours, LieOnTheVolume) {
   const SourceModel model = value_or_throw(import_sources(files, notes));
   EXPECT_EQ(model.source_grid.size, (Index3{8, 6, 5}));
   EXPECT_EQ(model.structures.size(), 1u);
-  EXPECT_THAT(notes.all()[0].message(), HasSubstr("enclose nothing: Seed"));
-  EXPECT_THAT(notes.all()[1].message(), HasSubstr("cut off there: Box"));
+  std::string all;
+  for (const Note& note : notes.all()) all += note.message() + ";";
+  EXPECT_THAT(all, AllOf(HasSubstr("enclose nothing: Seed;"), HasSubstr("cut off there: Box;"),
+                         HasSubstr("differ in FrameOfReferenceUID")));
 }
 
 }  // namespace

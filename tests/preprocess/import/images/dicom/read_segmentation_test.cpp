@@ -128,8 +128,11 @@ TEST_F(ImportDicom, FractionsAboveOneHalfBelong) {
   Mask fractions = pixels(0, 10, 100);  // of 200
   fractions[3] = 101;
   fractions[4] = 200;
-  segmentation.frames = {{1, 0, fractions}, {2, 1, pixels(0, 2, 199)}};
+  segmentation.frames = {{1, 0, fractions}, {2, 1, pixels(0, 2, 199)}, {3, 1, pixels(0, 9, 80)}};
   write_segmentation(segmentation, file("a"));
+  EXPECT_THAT(
+      notes_of(imported()),
+      ElementsAre("1 segment has no fraction above one half, which a voxel needs: Tumour (largest 0.4)"));
   Mask first = pixels(3, 5);
   EXPECT_EQ(voxels_of<std::uint8_t>(imported(), 0), joined_slices({first, pixels(0, 2, 2)}));
 }

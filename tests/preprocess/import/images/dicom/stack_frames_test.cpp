@@ -93,22 +93,6 @@ TEST_F(ImportDicom, MissingSlicesAreInterpolated) {
               ElementsAre(note + "6 mm become 2 mm, new slices at (-1, 2, 14), (-1, 2, 16)"));
 }
 
-TEST_F(ImportDicom, UnevenStepsBecomeTheLeast) {
-  write_series();
-  TestSlice slice = axial(5);
-  slice.position[2] = 20.5;
-  write_slice(slice, file("slice0"));
-  const SourceImage image = imported();
-  EXPECT_EQ(image.grid.size, (Index3{8, 6, 7}));
-  EXPECT_EQ(image.grid.spacing_mm[2], 2);
-  const std::int16_t* const values = image.voxels.as<std::int16_t>();
-  EXPECT_EQ(values[4 * TestSlice::kPixels + 3], 403);
-  EXPECT_EQ(values[5 * TestSlice::kPixels + 3], 483);  // 2 of 2.5 mm on
-  EXPECT_EQ(values[6 * TestSlice::kPixels + 3], 503);  // beyond the last
-  EXPECT_THAT(notes_of(image), ElementsAre(HasSubstr("steps of 2 to 2.5 mm become 2 mm, new slices at "
-                                                     "(-1, 2, 20), (-1, 2, 22)")));
-}
-
 TEST_F(ImportDicom, OneWarningTellsOfStepsAndTilt) {
   const double tilt = std::tan(20 * std::numbers::pi / 180);
   const std::array<double, 6> heights{0, 4, 8, 12, 19, 26};
