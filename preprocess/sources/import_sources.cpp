@@ -10,6 +10,7 @@
 
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
+#include "preprocess/import/images/dicom/import_dicom.h"
 #include "preprocess/import/images/import_image.h"
 #include "preprocess/import/images/pictures/read_pictures.h"
 #include "preprocess/import/import_error.h"
@@ -32,6 +33,7 @@ const NoteKind kVolumeResampled{
 const NoteKind kLabelsWidened{"labels-widened",
                               "label map covers a part of the volume's grid, which stays whole",
                               "label maps cover a part of the volume's grid, which stays whole", false};
+const NoteKind kOtherFrame{"other-frame-of-reference", "", "", true};
 const NoteKind kMaskResampled{
     "resampled-segment-masks", "mask of a segment is on another grid and is resampled to the nearest voxel",
     "masks of segments are on other grids and are resampled to the nearest voxel", true};
@@ -55,7 +57,7 @@ class SourceImporter {
     keep_error(collect_names());
     keep_error(import_tree());
     // Labels first, unless they need the grid of the volume: reading them takes the most memory.
-    const bool to_volume = files_.resample == ResampleTo::kVolume;
+    const bool to_volume = files_.resample == ResampleTo::kVolume || is_contours(files_.labels);
     if (to_volume) keep_error(import_volume());
     keep_error(import_names());
     keep_error(import_labels());
@@ -126,7 +128,6 @@ class SourceImporter {
     return remember("tree", files_.tree);
   }
 
-  /// Reads the volume on its own grid.
   Result<void> import_volume() {
     if (files_.volume.empty()) return {};
     ImageOptions options = files_.volume_options;
@@ -143,8 +144,7 @@ class SourceImporter {
 
   Result<void> import_labels() {
     if (files_.labels.empty()) return {};
-    std::optional<Grid> grid;
-    if (files_.resample == ResampleTo::kVolume && volume_) grid = volume_->grid;
+    const std::optional<Grid> grid = volume_ ? std::optional(volume_->grid) : std::nullopt;
     SPLATLAS_ASSIGN_OR_RETURN(
         ImportedLabels labels,
         splatlas::import_labels(files_.labels,
@@ -180,6 +180,7 @@ class SourceImporter {
     model_.memberships = std::move(labels.memberships);
     model_.structures = std::move(labels.structures);
     labels_source_ = labels.source;
+    labels_frame_ = labels.frame_of_reference;
     return {};
   }
 
@@ -224,15 +225,17 @@ class SourceImporter {
       model_.source_grid = widened(model_.source_grid, before_reordering(*margin, order));
       notes_.add(kLabelsWidened, files_.labels.string());
     }
+    const std::size_t frame = volume_->frame_of_reference;
+    if (frame != 0 && labels_frame_ != 0 && frame != labels_frame_)
+      notes_.add(kOtherFrame, "labels and volume differ in FrameOfReferenceUID, and need not fit");
     if (!have_same_voxels(model_.source_grid, volume_->grid)) {
       const std::string difference =
           check_same_grid(model_.source_grid, labels_source_, volume_->grid, files_.volume.string())
               .error()
               .message;
-      if (!(overlap(model_.source_grid, volume_->grid) > 0)) {
+      if (!(overlap(model_.source_grid, volume_->grid) > 0))
         return fail(ErrorCode::kFailed,
                     "{}, and they do not overlap; were they made of one patient and frame?", difference);
-      }
       notes_.add(kVolumeResampled, fmt::format("{} ({}; --resample volume keeps its grid instead)",
                                                files_.volume.string(), difference));
       volume_->voxels = resample_linear(*volume_, model_.source_grid);
@@ -331,6 +334,7 @@ class SourceImporter {
   std::optional<Image> volume_;
   std::optional<NamesTable> names_;
   std::string labels_source_;
+  std::size_t labels_frame_ = 0;
   std::optional<Error> error_;                         // the first one
   std::map<std::string, std::string> option_of_name_;  // by name_key
 };

@@ -172,7 +172,7 @@ Result<SourceImage> read_image(const fs::path& path, const ImageOptions& options
 Result<Image> import_image(const fs::path& path, const ImageOptions& options, Notes& notes) {
   SPLATLAS_ASSIGN_OR_RETURN(SourceImage source, read_image(path, options));
   notes.add(source.notes);
-  Image image{source.grid, {}};
+  Image image{source.grid, {}, source.frame_of_reference};
   SPLATLAS_ASSIGN_OR_RETURN(image.voxels, choose_layer(source, path, options));
   return image;
 }

@@ -35,6 +35,7 @@ struct ImageFormatEntry {
 struct Image {
   Grid grid;  ///< LPS
   VoxelBuffer voxels;
+  std::size_t frame_of_reference = 0;  ///< as of SourceImage
 };
 
 /// Reads one volume of any format, in a child. A 2-D image is a volume of one slice. kUsage

@@ -277,7 +277,11 @@ Result<ImportedLabels> read_segments(SourceImage image, const std::string& name)
                      [&]<typename T>(T) { read_layer<T>(image.segments, n, layer, result, counts); });
   }
   drop_empty(result, counts);
-  if (result.structures.empty()) return bad_file(name, "holds no segment with voxels");
+  if (result.structures.empty()) {
+    std::string text = "holds no segment with voxels";
+    for (const Note& note : result.notes.all()) text += "; " + note.message();
+    return bad_file(name, "{}", text);
+  }
   if (image.layers == 1) {
     result.type = image.voxels.type;
   } else {
@@ -320,8 +324,10 @@ std::vector<ResampledStructure> compare(const ImportedLabels& before, const Impo
 
 }  // namespace
 
-Result<ImportedLabels> import_labels(const fs::path& path, const ImageOptions& options,
+Result<ImportedLabels> import_labels(const fs::path& path, ImageOptions options,
                                      const std::optional<Grid>& grid) {
+  options.labels = true;
+  options.grid = grid;
   std::error_code unreadable;  // the reader reports it
   const ImageFormatEntry* const format = find_image_format(path);
   if (format == nullptr && fs::is_directory(path, unreadable)) return import_mask_folder(path, grid);
@@ -331,6 +337,7 @@ Result<ImportedLabels> import_labels(const fs::path& path, const ImageOptions& o
     return fail(ErrorCode::kFailed, "{}, and they do not overlap; were they made of one patient and frame?",
                 check_same_grid(image.grid, path.string(), *grid, "the volume").error().message);
   }
+  const std::size_t frame_of_reference = image.frame_of_reference;
   SourceImage moved = is_resampled ? resample_nearest(image, *grid) : SourceImage();
   SPLATLAS_ASSIGN_OR_RETURN(ImportedLabels labels,
                             read_structures(std::move(image), path.string(), options.as_labels));
@@ -345,6 +352,7 @@ Result<ImportedLabels> import_labels(const fs::path& path, const ImageOptions& o
     labels = std::move(resampled);
   }
   labels.files = {path};
+  labels.frame_of_reference = frame_of_reference;
   return labels;
 }
 

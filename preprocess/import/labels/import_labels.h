@@ -15,7 +15,7 @@ namespace splatlas {
 /// With `grid`, labels on another grid are resampled to it, to the nearest voxel; ImportedLabels::resampled
 /// tells the structures' voxels and volumes before and after.
 [[nodiscard]] Result<ImportedLabels> import_labels(const std::filesystem::path& path,
-                                                   const ImageOptions& options = {},
+                                                   ImageOptions options = {},
                                                    const std::optional<Grid>& grid = std::nullopt);
 
 /// Imports a folder with one mask per structure, as TotalSegmentator writes: a structure has the name of its

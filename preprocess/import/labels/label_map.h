@@ -26,8 +26,9 @@ struct ResampledStructure {
 /// Voxels are in the storage order of `source_grid`; structures have source numbers.
 struct ImportedLabels {
   Grid source_grid;
-  std::string source;                 ///< the file with the grid, for messages
-  VoxelType type = VoxelType::kNone;  ///< of the label map; kNone for masks and overlapping segments
+  std::size_t frame_of_reference = 0;  ///< as of SourceImage
+  std::string source;                  ///< the file with the grid, for messages
+  VoxelType type = VoxelType::kNone;   ///< of the label map; kNone for masks and overlapping segments
   MembershipVolume memberships{Index3{0, 0, 0}};
   std::vector<SourceStructure> structures;
   std::vector<std::filesystem::path> files;   ///< the files read, in a fixed order

@@ -28,7 +28,6 @@ struct PixelFormat {
 
 /// Attributes that tell apart volumes of one series, in the order of trial.
 enum class SplitKey {
-  kThickness,
   kEcho,
   kTime,
   kImageType,
@@ -36,7 +35,7 @@ enum class SplitKey {
   kDiffusion,
   kTrigger,
 };
-inline constexpr std::size_t kSplitKeys = 7;
+inline constexpr std::size_t kSplitKeys = 6;
 
 /// One frame of a file. All lengths are in LPS mm.
 struct DicomFrame {
@@ -53,8 +52,8 @@ struct DicomFrame {
   bool is_mosaic = false;    ///< holds many slices side by side
   bool is_inverted = false;  ///< MONOCHROME1: low values are shown bright
   bool is_segmentation = false;
-  std::uint16_t segment = 0;  ///< of segmentations; 0 if the pixels name it
-  std::string series_uid;     ///< may hold a date: never passed on
+  std::uint16_t segment = 0;                   ///< of segmentations; 0 if the pixels name it
+  std::string series_uid, frame_of_reference;  ///< may hold a date: never passed on
   std::int64_t series_number = 0;
   std::string modality;                            ///< upper-case letters and digits, or "image"
   std::array<std::string, kSplitKeys> split_keys;  ///< to compare only

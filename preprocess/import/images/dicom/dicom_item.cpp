@@ -1,9 +1,9 @@
 #include "preprocess/import/images/dicom/dicom_item.h"
 
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <string_view>
+#include <utility>
 
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/text_file.h"
@@ -24,6 +24,30 @@ std::optional<double> parsed(std::string_view text) {
   return number && std::isfinite(*number) ? number : std::nullopt;
 }
 
+/// True for two attributes of groups 2 or 8, little endian, in ascending order: files without a preamble.
+bool begins_as_data_set(std::string_view bytes) {
+  const auto is_capital = [](char c) { return c >= 'A' && c <= 'Z'; };
+  const auto number = [&](std::size_t at, std::size_t count) {
+    std::size_t value = 0;
+    while (count-- > 0) value = value << 8 | static_cast<unsigned char>(bytes[at + count]);
+    return value;
+  };
+  std::size_t last = 0;
+  for (std::size_t at = 0, n = 0; n < 2; ++n) {
+    if (at + 8 > bytes.size()) return false;
+    const std::size_t group = number(at, 2), tag = group << 16 | number(at + 2, 2);
+    if ((group != 2 && group != 8) || tag <= std::exchange(last, tag)) return false;
+    const bool is_explicit = is_capital(bytes[at + 4]) && is_capital(bytes[at + 5]);
+    at += 8 + (is_explicit ? number(at + 6, 2) : number(at + 4, 4));
+  }
+  return true;
+}
+
+bool has_preamble(std::string_view bytes) {
+  constexpr std::size_t kPreamble = 128;
+  return bytes.size() > kPreamble && bytes.substr(kPreamble).starts_with("DICM");
+}
+
 }  // namespace
 
 void prepare_dcmtk() {
@@ -35,15 +59,20 @@ void prepare_dcmtk() {
   static_cast<void>(done);
 }
 
-bool begins_as_dicom(const std::filesystem::path& file) {
-  constexpr std::streamoff kPreamble = 128;
+std::string first_bytes(const std::filesystem::path& file) {
+  constexpr std::size_t kBytes = 1024;
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(file, ignored)) return false;  // a pipe would wait
+  if (!std::filesystem::is_regular_file(file, ignored)) return {};  // a pipe would wait
+  std::string bytes(kBytes, '\0');
   std::ifstream stream(file, std::ios::binary);
-  std::array<char, 4> mark{};
-  stream.seekg(kPreamble);
-  stream.read(mark.data(), mark.size());
-  return stream && std::memcmp(mark.data(), "DICM", mark.size()) == 0;
+  stream.read(bytes.data(), kBytes);
+  bytes.resize(static_cast<std::size_t>(stream.gcount()));
+  return bytes;
+}
+
+bool begins_as_dicom(const std::filesystem::path& file) {
+  const std::string bytes = first_bytes(file);
+  return has_preamble(bytes) || begins_as_data_set(bytes);
 }
 
 Result<std::unique_ptr<DcmFileFormat>> open_dicom(const std::filesystem::path& file, DicomPart part) {
@@ -51,11 +80,11 @@ Result<std::unique_ptr<DcmFileFormat>> open_dicom(const std::filesystem::path& f
   prepare_dcmtk();
   auto format = std::make_unique<DcmFileFormat>();
   const OFFilename name(file.c_str());
+  const E_FileReadMode mode = has_preamble(first_bytes(file)) ? ERM_fileOnly : ERM_autoDetect;
   const OFCondition status =
       part == DicomPart::kWhole
-          ? format->loadFile(name, EXS_Unknown, EGL_noChange, kMaxInMemory, ERM_fileOnly)
-          : format->loadFileUntilTag(name, EXS_Unknown, EGL_noChange, kMaxInMemory, ERM_fileOnly,
-                                     DCM_PixelData);
+          ? format->loadFile(name, EXS_Unknown, EGL_noChange, kMaxInMemory, mode)
+          : format->loadFileUntilTag(name, EXS_Unknown, EGL_noChange, kMaxInMemory, mode, DCM_PixelData);
   if (status.bad())  // its text may quote the header
     return bad_file(file, "is damaged or cut short, or in an unknown transfer syntax; get the file again");
   return format;

@@ -20,7 +20,9 @@ namespace splatlas {
 /// attributes that a program wrote as unknown. Cheap after the first call.
 void prepare_dcmtk();
 
-/// True for a regular file with "DICM" at byte 128.
+/// The first kB of a regular file; empty for others.
+[[nodiscard]] std::string first_bytes(const std::filesystem::path& file);
+/// True for a regular file with "DICM" at byte 128, or that begins with its data set, as old exports do.
 [[nodiscard]] bool begins_as_dicom(const std::filesystem::path& file);
 
 /// Opens a file up to its pixels, or with them. Long values stay in the file until they are asked for.

@@ -4,13 +4,17 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <set>
 #include <utility>
+
+#include <fmt/ranges.h>
 
 #include "format/content/voxel_type.h"
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
 #include "preprocess/import/images/dicom/decode/decode_frame.h"
 #include "preprocess/import/images/dicom/dicom_item.h"
+#include "preprocess/import/images/dicom/read_contours.h"
 #include "preprocess/import/images/dicom/read_frames.h"
 #include "preprocess/import/images/dicom/read_segmentation.h"
 #include "preprocess/import/images/dicom/stack_frames.h"
@@ -84,20 +88,35 @@ void note_kinds(const SlicedStack& stack, Notes& notes) {
 
 /// Decodes the first frame of each slice and applies its slope and intercept. int16 or uint16 if they hold
 /// all values exactly: every slope is 1 and every intercept is whole. Else float32. Padding keeps its value.
-/// Further frames of a slice are ignored and noted. kFailed for damaged files. Cost: one pass; memory for
-/// the volume, and twice as much for values of more than 16 bits. One thread at a time.
+/// Voxels between slices are interpolated, and rounded for integers. Further frames of a slice are ignored
+/// and noted. kFailed for damaged files. Cost: one pass; memory for the volume, and twice as much for values
+/// of more than 16 bits. One thread at a time.
 Result<VoxelBuffer> read_volume(const SlicedStack& stack, Notes& notes) {
   VoxelBuffer voxels{widest_type(stack), {}};
   const auto plane = static_cast<std::size_t>(stack.grid.size[0] * stack.grid.size[1]);
-  voxels.bytes.resize(plane * stack.slices.size() * bytes_of(voxels.type));
+  const auto count = static_cast<std::size_t>(stack.grid.size[2]);
+  voxels.bytes.resize(plane * count * bytes_of(voxels.type));
   FrameDecoder decoder;
-  for (std::size_t k = 0; k < stack.slices.size(); ++k) {
-    const DicomFrame& frame = *stack.slices[k].front();
-    SPLATLAS_ASSIGN_OR_RETURN(const auto stored, decoder.decode(frame));
+  std::vector<double> below, above(plane);
+  std::size_t decoded = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto place = static_cast<double>(k);
+    while (decoded == 0 || (decoded < stack.slices.size() && stack.places[decoded - 1] < place)) {
+      const DicomFrame& frame = *stack.slices[decoded++].front();
+      SPLATLAS_ASSIGN_OR_RETURN(const auto stored, decoder.decode(frame));
+      below = above;
+      for (std::size_t v = 0; v < plane; ++v)
+        above[v] = static_cast<double>(stored[v]) * frame.slope + frame.intercept;
+    }
+    const double end = stack.places[decoded - 1];
+    const double part =
+        end > place ? (place - stack.places[decoded - 2]) / (end - stack.places[decoded - 2]) : 1;
     visit_voxel_type(voxels.type, [&]<typename T>(T) {
       T* const values = voxels.as<T>() + k * plane;
-      for (std::size_t v = 0; v < plane; ++v)
-        values[v] = static_cast<T>(static_cast<double>(stored[v]) * frame.slope + frame.intercept);
+      for (std::size_t v = 0; v < plane; ++v) {
+        const double value = part < 1 ? below[v] + part * (above[v] - below[v]) : above[v];
+        values[v] = static_cast<T>(std::is_integral_v<T> ? std::floor(value + 1.0 / 2) : value);
+      }
     });
   }
   if (voxels.type == VoxelType::kInt32) narrow(voxels);
@@ -107,6 +126,11 @@ Result<VoxelBuffer> read_volume(const SlicedStack& stack, Notes& notes) {
 
 using Stacks = std::vector<FrameStack>;
 
+/// To compare only: a UID may hold a date.
+std::size_t hash_of(const std::string& frame_of_reference) {
+  return frame_of_reference.empty() ? 0 : std::hash<std::string>{}(frame_of_reference);
+}
+
 const std::string& uid_of(const FrameStack& stack) {
   return stack.frames.front()->series_uid;
 }
@@ -114,10 +138,45 @@ const std::string& uid_of(const FrameStack& stack) {
 std::string list_of(const Stacks& stacks) {
   constexpr std::size_t kMaxListed = 50;
   std::string text = fmt::format("holds {} series; choose one with --series N", stacks.size());
-  for (std::size_t n = 0; n < std::min(stacks.size(), kMaxListed); ++n)
-    text += fmt::format("{} {}: {}", n == 0 ? ":" : ";", n + 1, description(stacks[n]));
+  std::vector<std::string> texts;
+  std::set<std::string> frames;
+  for (const FrameStack& stack : stacks) {
+    texts.push_back(description(stack));
+    frames.insert(stack.frames.front()->frame_of_reference);
+  }
+  for (std::size_t n = 0; n < std::min(stacks.size(), kMaxListed); ++n) {
+    text += fmt::format("{} {}: {}", n == 0 ? ":" : ";", n + 1, texts[n]);
+    if (std::ranges::count(texts, texts[n]) == 1) continue;
+    const DicomFrame& first = *stacks[n].frames.front();
+    text += fmt::format(", number {}, normal {}, frame of reference {} of {}, {} at {}", first.series_number,
+                        position_text(normal_of(first)),
+                        std::distance(frames.begin(), frames.find(first.frame_of_reference)) + 1,
+                        frames.size(), first.file.filename().string(), position_text(first.position));
+  }
   if (stacks.size() > kMaxListed) text += fmt::format("; and {} more", stacks.size() - kMaxListed);
   return text;
+}
+
+/// The stacks that are wanted, segmentations or images; all of them if there are none.
+Stacks wanted_stacks(Stacks stacks, bool segmentations) {
+  const auto is_other = [&](const FrameStack& stack) {
+    return stack.frames.front()->is_segmentation != segmentations;
+  };
+  if (!std::ranges::all_of(stacks, is_other)) std::erase_if(stacks, is_other);
+  return stacks;
+}
+
+/// kUsage if labels are wanted of several segmentations.
+Result<void> check_one_segmentation(const Stacks& stacks, const std::vector<ContourFile>& contours,
+                                    const std::filesystem::path& path) {
+  std::set<std::string> files;
+  for (const ContourFile& contour : contours) files.insert(contour.file.string());
+  for (const FrameStack& stack : stacks) {
+    if (stack.frames.front()->is_segmentation) files.insert(stack.frames.front()->file.string());
+  }
+  if (files.size() < 2) return {};
+  return fail(ErrorCode::kUsage, "{}: holds {} segmentations; give the file of one: {}", path.string(),
+              files.size(), fmt::join(files, ", "));
 }
 
 /// The index of the stack that the user means.
@@ -155,11 +214,27 @@ Result<void> check_faults(const std::vector<DicomFault>& faults, const std::stri
   return {};
 }
 
-}  // namespace
+/// The contours on the given grid, or on that of the only image series in their frame of reference.
+Result<SourceImage> import_contours(const ContourFile& contours, const Stacks& stacks,
+                                    std::optional<Grid> grid) {
+  const auto is_same_frame = [&](const FrameStack& stack) {
+    return stack.frames.front()->frame_of_reference == contours.frame_of_reference;
+  };
+  if (!grid && std::ranges::count_if(stacks, is_same_frame) == 1) {
+    SPLATLAS_ASSIGN_OR_RETURN(
+        const SlicedStack sliced,
+        slice_stack(*std::ranges::find_if(stacks, is_same_frame), SliceGaps::kMissing, contours.file));
+    grid = sliced.grid;
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(SourceImage image, read_contours(contours.file, grid));
+  image.frame_of_reference = hash_of(contours.frame_of_reference);
+  return image;
+}
 
-bool is_dicom(const std::filesystem::path& file_or_folder) {
+/// True if a file, or one of a folder, is of a kind.
+bool any_file(const std::filesystem::path& file_or_folder, bool (*is_it)(const std::filesystem::path&)) {
   constexpr int kMaxDepth = 16, kMaxFiles = 4096;
-  if (begins_as_dicom(file_or_folder)) return true;
+  if (is_it(file_or_folder)) return true;
   std::error_code error;
   if (!std::filesystem::is_directory(file_or_folder, error)) return false;
   using Iterator = std::filesystem::recursive_directory_iterator;
@@ -171,17 +246,35 @@ bool is_dicom(const std::filesystem::path& file_or_folder) {
     std::error_code ignored;
     if (!entry->is_regular_file(ignored)) continue;
     if (++files > kMaxFiles) return false;
-    if (begins_as_dicom(entry->path())) return true;
+    if (is_it(entry->path())) return true;
   }
   return false;
+}
+
+}  // namespace
+
+bool is_dicom(const std::filesystem::path& file_or_folder) {
+  return any_file(file_or_folder, begins_as_dicom);
+}
+
+bool is_contours(const std::filesystem::path& file_or_folder) {
+  return any_file(file_or_folder, [](const std::filesystem::path& file) {
+    return begins_as_dicom(file) && first_bytes(file).find(UID_RTStructureSetStorage) != std::string::npos;
+  });
 }
 
 Result<SourceImage> import_dicom(const std::filesystem::path& file_or_folder, const ImageOptions& options) {
   prepare_dcmtk();
   SPLATLAS_ASSIGN_OR_RETURN(const DicomFrames found, read_frames(file_or_folder));
-  const Stacks stacks = group_frames(found.frames);
+  const Stacks stacks = wanted_stacks(group_frames(found.frames), options.labels);
   Notes notes;
+  if (options.labels) {
+    SPLATLAS_RETURN_IF_ERROR(check_one_segmentation(stacks, found.contours, file_or_folder));
+    if (!found.contours.empty()) return import_contours(found.contours.front(), stacks, options.grid);
+  }
   if (stacks.empty()) {
+    if (!found.contours.empty())
+      return bad_file(file_or_folder, "holds contours (RTSTRUCT), which are structures; give it as --labels");
     SPLATLAS_RETURN_IF_ERROR(check_faults(found.faults, "", 0, notes));
     return bad_file(file_or_folder, "holds no DICOM image; give the file or folder of a series");
   }
@@ -200,6 +293,7 @@ Result<SourceImage> import_dicom(const std::filesystem::path& file_or_folder, co
     image.notes = sliced.notes;
     SPLATLAS_ASSIGN_OR_RETURN(image.voxels, read_volume(sliced, image.notes));
   }
+  image.frame_of_reference = hash_of(first.frame_of_reference);
   image.notes.add(notes);
   return image;
 }

@@ -128,7 +128,6 @@ void read_keys(const FrameGroups& groups, DicomFrame& frame) {
     if (text.empty()) text = text_in(groups.group(group), tag);
     if (text.empty()) text = text_in(groups.dataset, classic);
   };
-  set(SplitKey::kThickness, DCM_PixelMeasuresSequence, DCM_SliceThickness, DCM_SliceThickness);
   set(SplitKey::kEcho, DCM_MREchoSequence, DCM_EffectiveEchoTime, DCM_EchoNumbers);
   set(SplitKey::kTime, DCM_FrameContentSequence, DCM_TemporalPositionIndex, DCM_TemporalPositionIdentifier);
   for (const DcmTagKey& kind :
@@ -183,6 +182,7 @@ Result<void> read_common(DcmItem& dataset, DicomFrame& frame) {
   SPLATLAS_RETURN_IF_ERROR(check_format(pixels, frame.is_segmentation));
   frame.is_inverted = text_in(dataset, DCM_PhotometricInterpretation) == "MONOCHROME1";
   frame.series_uid = text_in(dataset, DCM_SeriesInstanceUID);
+  frame.frame_of_reference = text_in(dataset, DCM_FrameOfReferenceUID);
   frame.series_number = integer_in(dataset, DCM_SeriesNumber).value_or(0);
   frame.modality = modality_of(dataset);
   return {};
@@ -250,8 +250,15 @@ class FramesOfFile {
       return;
     }
     DcmItem& dataset = *(*format)->getDataset();
-    const std::string class_uid = text_in(*(*format)->getMetaInfo(), DCM_MediaStorageSOPClassUID);
+    std::string class_uid = text_in(*(*format)->getMetaInfo(), DCM_MediaStorageSOPClassUID);
+    if (class_uid.empty()) class_uid = text_in(dataset, DCM_SOPClassUID);
     series_uid_ = text_in(dataset, DCM_SeriesInstanceUID);
+    if (class_uid == UID_RTStructureSetStorage) {
+      DcmItem* const structure = first_item(dataset, DCM_StructureSetROISequence);
+      found_.contours.push_back(
+          {file_, structure == nullptr ? "" : text_in(*structure, DCM_ReferencedFrameOfReferenceUID)});
+      return;
+    }
     if (!integer_in(dataset, DCM_Rows)) {
       if (is_image_class(class_uid)) {
         fault("has no pixels (Rows is missing): it is cut short; get the file again");

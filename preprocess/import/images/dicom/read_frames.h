@@ -16,8 +16,15 @@ struct DicomFault {
   std::string message;     ///< with the file's name
 };
 
+/// A file of contours (RTSTRUCT).
+struct ContourFile {
+  std::filesystem::path file;
+  std::string frame_of_reference;
+};
+
 struct DicomFrames {
   std::vector<DicomFrame> frames;  ///< by file name, then in the order of the file
+  std::vector<ContourFile> contours;
   std::vector<DicomFault> faults;
 };
 

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "format/result_macros.h"
 #include "preprocess/import/images/dicom/decode/decode_frame.h"
 #include "preprocess/import/images/dicom/dicom_item.h"
+#include "preprocess/import/images/dicom/mask_layers.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/text_file.h"
 
@@ -38,15 +38,7 @@ void add_terms(DcmItem& segment, std::vector<Term>& terms) {
 }
 
 SourceSegment segment_in(DcmItem& item, std::int64_t number, Notes& notes) {
-  static const NoteKind kUnnamed{"unnamed-segments", "segment has a label that cannot be a name",
-                                 "segments have labels that cannot be names"};
-  SourceSegment segment;
-  segment.value = number;
-  segment.structure.name = text_in(item, DCM_SegmentLabel);
-  if (!check_structure_name(segment.structure.name)) {
-    segment.structure.name = fmt::format("segment {}", number);
-    notes.add(kUnnamed, segment.structure.name);
-  }
+  SourceSegment segment = named_segment(text_in(item, DCM_SegmentLabel), number, notes);
   if (const auto lab = numbers_in<3>(item, DCM_RecommendedDisplayCIELabValue))
     segment.structure.color = color_of_lab(*lab);
   add_terms(item, segment.structure.terms);
@@ -74,33 +66,18 @@ Result<void> read_kind(DcmItem& dataset, const std::filesystem::path& path, Segm
   return {};
 }
 
-/// The voxels of one segment in one slice.
-struct SliceMask {
-  std::size_t slice = 0;
-  std::vector<bool> voxels;
-};
-
 /// Layers of segment numbers of type T.
 template <typename T>
 class Layers {
  public:
   Layers(const SlicedStack& stack, const SegmentList& list, const std::filesystem::path& path)
-      : stack_(stack),
-        list_(list),
-        path_(path),
-        plane_(static_cast<std::size_t>(stack.grid.size[0] * stack.grid.size[1])) {
-    add_layer();
-  }
+      : stack_(stack), list_(list), path_(path), layers_(stack.grid), plane_(layers_.plane()) {}
 
   Result<void> add_masks(std::vector<SourceSegment>& segments) {
     SPLATLAS_RETURN_IF_ERROR(check_numbers());
     for (SourceSegment& segment : segments) {
-      SPLATLAS_ASSIGN_OR_RETURN(const std::vector<SliceMask> masks, masks_of(segment.value));
-      std::size_t layer = 0;
-      while (layer < layers_.size() && overlaps(masks, layers_[layer])) ++layer;
-      if (layer == layers_.size()) add_layer();
-      segment.layer = layer;
-      write(masks, static_cast<T>(segment.value), layers_[layer]);
+      SPLATLAS_ASSIGN_OR_RETURN(const std::vector<SliceMask> masks, masks_of(segment));
+      segment.layer = layers_.add(masks, static_cast<T>(segment.value));
     }
     return {};
   }
@@ -110,28 +87,19 @@ class Layers {
       if (stack_.slices[k].empty()) continue;
       SPLATLAS_ASSIGN_OR_RETURN(const auto values, decoder_.decode(*stack_.slices[k].front()));
       for (std::size_t v = 0; v < plane_; ++v) {
-        if (values[v] != list_.background) layers_[0][k * plane_ + v] = static_cast<T>(values[v]);
+        if (values[v] != list_.background) layers_.first()[k * plane_ + v] = static_cast<T>(values[v]);
       }
       for (std::size_t n = 1; n < stack_.slices[k].size(); ++n) note_duplicate(*stack_.slices[k][n], notes_);
     }
     return {};
   }
 
-  void hand_over(SourceImage& image, VoxelType type) {
-    image.layers = layers_.size();
-    image.voxels.type = type;
+  void hand_over(SourceImage& image) {
     image.notes.add(notes_);
-    const std::size_t bytes = layers_[0].size() * sizeof(T);
-    image.voxels.bytes.resize(bytes * layers_.size());
-    for (std::size_t n = 0; n < layers_.size(); ++n)
-      std::memcpy(&image.voxels.bytes[n * bytes], layers_[n].data(), bytes);
+    layers_.hand_over(image);
   }
 
  private:
-  using Layer = std::vector<T>;
-
-  void add_layer() { layers_.emplace_back(plane_ * stack_.slices.size()); }
-
   /// Each frame must name a segment of the list.
   Result<void> check_numbers() {
     for (const auto& slice : stack_.slices) {
@@ -143,56 +111,46 @@ class Layers {
     return {};
   }
 
-  Result<std::vector<SliceMask>> masks_of(std::int64_t number) {
+  Result<std::vector<SliceMask>> masks_of(const SourceSegment& segment) {
+    static const NoteKind kLow{"low-fractions", "segment has no fraction above one half, which a voxel needs",
+                               "segments have no fractions above one half, which voxels need", true};
     std::vector<SliceMask> masks;
+    const std::int32_t max = list_.kind == SegmentationKind::kFractional ? list_.max_fraction : 1;
+    std::int32_t largest = 0;
     for (std::size_t k = 0; k < stack_.slices.size(); ++k) {
       bool is_first = true;
       for (const DicomFrame* frame : stack_.slices[k]) {
-        if (frame->segment != number) continue;
+        if (frame->segment != segment.value) continue;
         if (!std::exchange(is_first, false)) {
           note_duplicate(*frame, notes_);
           continue;
         }
         SPLATLAS_ASSIGN_OR_RETURN(const auto values, decoder_.decode(*frame));
-        const std::int32_t max = list_.kind == SegmentationKind::kFractional ? list_.max_fraction : 1;
+        largest = std::max(largest, std::ranges::max(values));
         SliceMask mask{k, std::vector<bool>(plane_)};
         for (std::size_t v = 0; v < plane_; ++v) mask.voxels[v] = 2 * values[v] > max;
         masks.push_back(std::move(mask));
       }
     }
-    return masks;
-  }
-
-  bool overlaps(const std::vector<SliceMask>& masks, const Layer& layer) const {
-    return std::ranges::any_of(masks, [&](const SliceMask& mask) {
-      const T* const voxels = &layer[mask.slice * plane_];
-      for (std::size_t v = 0; v < plane_; ++v) {
-        if (mask.voxels[v] && voxels[v] != 0) return true;
-      }
-      return false;
-    });
-  }
-
-  void write(const std::vector<SliceMask>& masks, T number, Layer& layer) const {
-    for (const SliceMask& mask : masks) {
-      for (std::size_t v = 0; v < plane_; ++v) {
-        if (mask.voxels[v]) layer[mask.slice * plane_ + v] = number;
-      }
+    if (largest > 0 && 2 * largest <= max) {
+      notes_.add(kLow, fmt::format("{} (largest {:.3g})", segment.structure.name,
+                                   static_cast<double>(largest) / max));
     }
+    return masks;
   }
 
   const SlicedStack& stack_;
   const SegmentList& list_;
   const std::filesystem::path& path_;
+  MaskLayers<T> layers_;
   std::size_t plane_;
-  std::vector<Layer> layers_;
   FrameDecoder decoder_;
   Notes notes_;
 };
 
 template <typename T>
 Result<void> fill(const SlicedStack& stack, SegmentList& list, const std::filesystem::path& path,
-                  VoxelType type, SourceImage& image) {
+                  SourceImage& image) {
   Layers<T> layers(stack, list, path);
   image.segments = list.segments;
   if (list.kind == SegmentationKind::kLabelMap) {
@@ -200,7 +158,7 @@ Result<void> fill(const SlicedStack& stack, SegmentList& list, const std::filesy
   } else {
     SPLATLAS_RETURN_IF_ERROR(layers.add_masks(image.segments));
   }
-  layers.hand_over(image, type);
+  layers.hand_over(image);
   return {};
 }
 
@@ -223,9 +181,9 @@ Result<SourceImage> read_segmentation(SlicedStack stack, const std::filesystem::
   const bool is_short =
       list.segments.back().value > 255 || (is_label_map && frame.pixels.bits_stored > kByte);
   if (is_short) {
-    SPLATLAS_RETURN_IF_ERROR(fill<std::uint16_t>(stack, list, path, VoxelType::kUInt16, image));
+    SPLATLAS_RETURN_IF_ERROR(fill<std::uint16_t>(stack, list, path, image));
   } else {
-    SPLATLAS_RETURN_IF_ERROR(fill<std::uint8_t>(stack, list, path, VoxelType::kUInt8, image));
+    SPLATLAS_RETURN_IF_ERROR(fill<std::uint8_t>(stack, list, path, image));
   }
   return image;
 }
@@ -251,6 +209,19 @@ Result<SegmentList> read_segments(const std::filesystem::path& path) {
     return bad_file(path, "has two segments with number {}; give each its own", twice->value);
   if (list.segments.empty()) return bad_file(path, "is a segmentation without segments");
   return list;
+}
+
+SourceSegment named_segment(std::string label, std::int64_t number, Notes& notes) {
+  static const NoteKind kUnnamed{"unnamed-segments", "segment has a label that cannot be a name",
+                                 "segments have labels that cannot be names"};
+  SourceSegment segment;
+  segment.value = number;
+  segment.structure.name = std::move(label);
+  if (!check_structure_name(segment.structure.name)) {
+    segment.structure.name = fmt::format("segment {}", number);
+    notes.add(kUnnamed, segment.structure.name);
+  }
+  return segment;
 }
 
 Rgb color_of_lab(const std::array<double, 3>& encoded) {

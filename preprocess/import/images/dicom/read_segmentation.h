@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "format/content/color.h"
@@ -36,6 +37,9 @@ struct SegmentList {
 /// Reads the header of a segmentation. kFailed for unknown kinds, and segment numbers that repeat or are out
 /// of range. Only labels, colours and codes of the header are returned.
 [[nodiscard]] Result<SegmentList> read_segments(const std::filesystem::path& path);
+
+/// A segment of a file; "segment 7", with a note, if its label cannot be a name.
+[[nodiscard]] SourceSegment named_segment(std::string label, std::int64_t number, Notes& notes);
 
 /// sRGB colour of a RecommendedDisplayCIELabValue, for the white point D65 that writers of segmentations use.
 /// Colours outside sRGB are clamped.

@@ -23,16 +23,113 @@ bool is_near(std::span<const double> a, std::span<const double> b, double tolera
 
 bool belong_together(const DicomFrame& a, const DicomFrame& b) {
   constexpr double kOrientation = 1e-3, kSpacing = 1e-4;
-  if (a.is_segmentation || b.is_segmentation)
-    return a.is_segmentation == b.is_segmentation && a.file == b.file &&
-           is_near(a.row, b.row, kOrientation) && is_near(a.column, b.column, kOrientation) &&
-           is_near(a.spacing, b.spacing, kSpacing);
-  return a.series_uid == b.series_uid && a.pixels.rows == b.pixels.rows &&
-         a.pixels.columns == b.pixels.columns && is_near(a.row, b.row, kOrientation) &&
+  const bool is_one_series =
+      a.is_segmentation ? a.file == b.file
+                        : a.series_uid == b.series_uid && a.frame_of_reference == b.frame_of_reference &&
+                              a.pixels.rows == b.pixels.rows && a.pixels.columns == b.pixels.columns;
+  return a.is_segmentation == b.is_segmentation && is_one_series && is_near(a.row, b.row, kOrientation) &&
          is_near(a.column, b.column, kOrientation) && is_near(a.spacing, b.spacing, kSpacing);
 }
 
-bool repeats(std::span<const SlicePosition> positions) {
+/// Positions within this distance are one, in mm.
+constexpr double kSamePosition = 1e-3;
+
+/// Maximum deviation of a slice: 1 % of the step, at least the rounding of 0.01 mm in positions.
+double max_deviation_mm(double step_mm) {
+  constexpr double kShare = 0.01, kRounding = 0.01, kMaxShare = 0.05;
+  return std::max(kShare * step_mm, std::min(kRounding, kMaxShare * step_mm));
+}
+
+/// The frames at one position.
+struct SlicePosition {
+  double height = 0;  ///< mm along the normal
+  Frames frames;
+};
+using Positions = std::vector<SlicePosition>;
+
+std::vector<double> steps_of(const Positions& positions) {
+  std::vector<double> steps;
+  for (std::size_t n = 1; n < positions.size(); ++n)
+    steps.push_back(positions[n].height - positions[n - 1].height);
+  return steps;
+}
+
+/// In ascending order along the first frame's normal. Those within kSamePosition, or 5 % of the median step,
+/// are one.
+Positions slice_positions(const Frames& frames) {
+  constexpr double kNear = 0.05;
+  const Vec3 normal = normal_of(*frames.front());
+  Positions positions;
+  for (const DicomFrame* frame : frames) positions.push_back({dot(normal, frame->position), {frame}});
+  std::ranges::stable_sort(positions, {}, &SlicePosition::height);
+  const auto merge = [&](double distance_mm) {
+    for (SlicePosition& next : std::exchange(positions, {})) {
+      if (!positions.empty() && next.height - positions.back().height <= distance_mm) {
+        std::ranges::copy(next.frames, std::back_inserter(positions.back().frames));
+      } else {
+        positions.push_back(std::move(next));
+      }
+    }
+  };
+  merge(kSamePosition);
+  if (std::vector<double> steps = steps_of(positions); !steps.empty()) {
+    const auto middle = steps.begin() + std::ssize(steps) / 2;
+    std::ranges::nth_element(steps, middle);
+    merge(std::max(kSamePosition, kNear * *middle));
+  }
+  return positions;
+}
+
+double span_of(const Positions& positions) {
+  return positions.back().height - positions.front().height;
+}
+
+/// Where positions lie along the third axis, in steps.
+std::vector<double> places_of(const Positions& positions, double step_mm) {
+  std::vector<double> places;
+  for (const SlicePosition& position : positions) {
+    const double times = (position.height - positions.front().height) / step_mm, whole = std::round(times);
+    places.push_back(std::abs(times - whole) * step_mm <= max_deviation_mm(step_mm) ? whole : times);
+  }
+  return places;
+}
+
+/// True if all positions are multiples of a step from the first.
+bool are_multiples(const Positions& positions, double step_mm) {
+  return std::ranges::all_of(places_of(positions, step_mm), [](double p) { return p == std::round(p); });
+}
+
+/// The least step of several positions, without the rounding of single ones.
+double least_step(const Positions& positions) {
+  const std::vector<double> steps = steps_of(positions);
+  const double least = std::ranges::min(steps);
+  double sum = 0, count = 0;
+  for (const double step : steps) {
+    if (step > least + max_deviation_mm(least)) continue;
+    sum += step;
+    ++count;
+  }
+  const double span = span_of(positions), even = span / std::round(span * count / sum);
+  return are_multiples(positions, even) ? even : sum / count;
+}
+
+/// The step of a grid. Segmentations may leave out empty slices, so that only the file knows it.
+double grid_step(const Positions& positions, SliceGaps gaps) {
+  const double least = least_step(positions), declared = positions.front().frames.front()->slice_spacing;
+  const bool is_declared = gaps == SliceGaps::kEmpty && declared > 0 &&
+                           declared <= least + max_deviation_mm(least) && are_multiples(positions, declared);
+  return is_declared ? declared : least;
+}
+
+/// True if no position is missing between the first and the last, and none is between others.
+bool is_even(const Positions& positions) {
+  if (positions.size() < 2) return true;
+  const double step = least_step(positions);
+  return are_multiples(positions, step) &&
+         places_of(positions, step).back() < static_cast<double>(positions.size());
+}
+
+bool repeats(const Positions& positions) {
   return std::ranges::any_of(positions, [](const SlicePosition& p) { return p.frames.size() > 1; });
 }
 
@@ -43,7 +140,7 @@ struct ByNumber {
   }
 };
 
-constexpr std::array<const char*, kSplitKeys> kKeyNames{"thickness",   "echo",    "time",        "image type",
+constexpr std::array<const char*, kSplitKeys> kKeyNames{"echo",        "time",    "image type",
                                                         "acquisition", "b-value", "trigger time"};
 
 std::vector<Frames> parts_by(const Frames& frames, std::size_t first, std::size_t second) {
@@ -57,12 +154,18 @@ std::vector<Frames> parts_by(const Frames& frames, std::size_t first, std::size_
   return list;
 }
 
+/// Parts that lie one behind the other are slabs of one volume.
 bool are_volumes(std::span<const Frames> parts, bool must_be_even) {
-  return parts.size() > 1 && std::ranges::all_of(parts, [&](const Frames& part) {
-           const std::vector<SlicePosition> positions = slice_positions(part);
-           return positions.size() > 1 && !repeats(positions) &&
-                  (!must_be_even || slice_steps(positions).is_even());
-         });
+  std::vector<std::pair<double, double>> ranges;
+  for (const Frames& part : parts) {
+    const Positions positions = slice_positions(part);
+    if (positions.size() < 2 || repeats(positions) || (must_be_even && !is_even(positions))) return false;
+    ranges.emplace_back(positions.front().height, positions.back().height);
+  }
+  std::ranges::sort(ranges);
+  return std::ranges::adjacent_find(ranges, [](const auto& lower, const auto& upper) {
+           return upper.first < lower.second - kSamePosition;
+         }) != ranges.end();
 }
 
 std::vector<FrameStack> named_parts(std::vector<Frames> parts, const std::string& name) {
@@ -73,11 +176,10 @@ std::vector<FrameStack> named_parts(std::vector<Frames> parts, const std::string
 }
 
 std::vector<FrameStack> split_group(const Frames& group) {
-  const std::vector<SlicePosition> positions = slice_positions(group);
+  const Positions positions = slice_positions(group);
   const bool has_repeats = repeats(positions);
-  if (group.front()->is_segmentation || (!has_repeats && slice_steps(positions).is_even()))
-    return {{group, ""}};
-  // Volumes with gaps are told apart, too, so that the gap is reported and not a mixture read.
+  if (group.front()->is_segmentation || (!has_repeats && is_even(positions))) return {{group, ""}};
+  // Volumes with gaps are told apart, too, so that no mixture is read.
   for (const bool must_be_even : {true, false}) {
     if (!must_be_even && !has_repeats) break;
     for (const bool in_pairs : {false, true}) {
@@ -94,8 +196,6 @@ std::vector<FrameStack> split_group(const Frames& group) {
   return {{group, ""}};
 }
 
-using Positions = std::vector<SlicePosition>;
-
 const Vec3& place(const SlicePosition& position) {
   return position.frames.front()->position;
 }
@@ -109,66 +209,26 @@ double distance(const Vec3& a, const Vec3& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
-/// "(0, 0, 2) to (0, 0, 6)" for the first of some steps, "and 2 more".
-std::string list_steps(const Positions& positions, const std::vector<std::size_t>& steps) {
+/// Notes the voxels' slices that lie between those of the files.
+void note_uneven(const Positions& positions, const SlicedStack& sliced, const std::string& tilt,
+                 Notes& notes) {
+  static const NoteKind kUneven{"uneven-slices",
+                                "stack of slices has uneven steps and is interpolated to even ones",
+                                "stacks of slices have uneven steps and are interpolated to even ones", true};
   constexpr std::size_t kMaxListed = 3;
-  std::string text;
-  for (std::size_t n = 0; n < std::min(steps.size(), kMaxListed); ++n) {
-    text += fmt::format("{}{} to {}", n == 0 ? "" : ", ", position_text(place(positions[steps[n]])),
-                        position_text(place(positions[steps[n] + 1])));
+  const Affine to_mm = index_to_lps_mm(sliced.grid);
+  const auto [least, greatest] = std::ranges::minmax(steps_of(positions));
+  std::string text = fmt::format("{}steps of {:.4g} to {:.4g} mm become {:.4g} mm",
+                                 tilt.empty() ? "" : "tilt " + tilt + ", ", least, greatest, sliced.step_mm);
+  std::size_t between = 0;
+  for (std::int64_t k = 0; k < sliced.grid.size[2]; ++k) {
+    if (std::ranges::binary_search(sliced.places, static_cast<double>(k))) continue;
+    if (++between <= kMaxListed)
+      text += (between == 1 ? ", new slices at " : ", ") +
+              position_text(to_mm.apply({0, 0, static_cast<double>(k)}));
   }
-  if (steps.size() > kMaxListed) text += fmt::format(" and {} more", steps.size() - kMaxListed);
-  return text;
-}
-
-Result<void> check_even(const Positions& positions, const std::filesystem::path& path) {
-  const SliceSteps steps = slice_steps(positions);
-  if (!steps.uneven.empty()) {
-    return bad_file(path,
-                    "has slices at uneven steps: most are {:.6g} mm, but not {}; dcm2niix resamples them",
-                    steps.median_mm, list_steps(positions, steps.uneven));
-  }
-  if (steps.gaps.empty()) return {};
-  return bad_file(
-      path, "lacks {} slice{} at steps of {:.6g} mm, from {}; add the files, or dcm2niix resamples them",
-      steps.missing, steps.missing == 1 ? "" : "s", steps.median_mm, list_steps(positions, steps.gaps));
-}
-
-/// True if all positions are multiples of a step from the first.
-bool are_multiples(const Positions& positions, double step_mm) {
-  return std::ranges::all_of(positions, [&](const SlicePosition& position) {
-    const double times = (position.height - positions.front().height) / step_mm;
-    return std::abs(times - std::round(times)) * step_mm <= max_deviation_mm(step_mm);
-  });
-}
-
-/// The step of slices of which empty ones are left out; 0 if there is none.
-double sparse_step(const Positions& positions) {
-  double least = positions.back().height - positions.front().height;
-  for (std::size_t n = 1; n < positions.size(); ++n)
-    least = std::min(least, positions[n].height - positions[n - 1].height);
-  const double declared = positions.front().frames.front()->slice_spacing;
-  if (declared > 0 && declared <= least + max_deviation_mm(least) && are_multiples(positions, declared))
-    return declared;
-  return are_multiples(positions, least) ? least : 0;
-}
-
-/// Number of slices from the first to the last.
-Result<std::int64_t> count_slices(const Positions& positions, SliceGaps gaps,
-                                  const std::filesystem::path& path) {
-  if (gaps == SliceGaps::kMissing || positions.size() < 2) {
-    SPLATLAS_RETURN_IF_ERROR(check_even(positions, path));
-    return static_cast<std::int64_t>(positions.size());
-  }
-  const double step = sparse_step(positions);
-  if (!(step > 0)) {
-    return bad_file(path, "has slices at uneven steps from {} to {}; dcm2niix resamples them",
-                    position_text(place(positions.front())), position_text(place(positions.back())));
-  }
-  const double steps = std::round((positions.back().height - positions.front().height) / step);
-  if (steps >= static_cast<double>(kMaxAxisSize))
-    return bad_file(path, "has {} slices at steps of {} mm, which is too many", steps + 1, step);
-  return static_cast<std::int64_t>(steps) + 1;
+  if (between > kMaxListed) text += fmt::format(" and {} more", between - kMaxListed);
+  if (between > 0) notes.add(kUneven, text);
 }
 
 void set_single_slice(const DicomFrame& frame, Grid& grid, Notes& notes) {
@@ -179,48 +239,51 @@ void set_single_slice(const DicomFrame& frame, Grid& grid, Notes& notes) {
   grid.spacing_mm[2] = known > 0 ? known : 1;
 }
 
-/// Sets the third axis: along the step if the stack is tilted, else along the normal.
-void set_step(const Positions& positions, std::int64_t slices, Vec3& axis, Grid& grid, Notes& notes) {
+/// Sets the third axis: along the stack if it is tilted, else along the normal. Returns the tilt as text.
+std::string set_axis(const Positions& positions, double step_mm, Vec3& axis, Grid& grid) {
   constexpr double kMinTilt = 1e-3;
-  static const NoteKind kTilted{"tilted-stack", "stack of slices is tilted; its grid is sheared",
-                                "stacks of slices are tilted; their grids are sheared"};
   const Vec3 &first = place(positions.front()), &last = place(positions.back());
-  const double along = positions.back().height - positions.front().height;
+  const double along = span_of(positions);
   const Vec3 shift{(last[0] - first[0]) / along - axis[0], (last[1] - first[1]) / along - axis[1],
                    (last[2] - first[2]) / along - axis[2]};
   const double tilt = std::hypot(shift[0], shift[1], shift[2]);
-  const auto steps = static_cast<double>(slices - 1);
-  grid.spacing_mm[2] = along / steps;
-  if (tilt <= kMinTilt) return;
+  grid.spacing_mm[2] = step_mm;
+  if (tilt <= kMinTilt) return {};
   const double length = distance(first, last);
   for (std::size_t a = 0; a < 3; ++a) axis[a] = (last[a] - first[a]) / length;
-  grid.spacing_mm[2] = length / steps;
-  notes.add(kTilted, fmt::format("{:.1f} degrees", std::atan(tilt) * 180 / std::numbers::pi));
+  grid.spacing_mm[2] *= length / along;
+  return fmt::format("{:.1f} degrees", std::atan(tilt) * 180 / std::numbers::pi);
 }
 
-/// Puts the frames into their slices. kFailed for frames beside the line from the first to the last.
-Result<void> place_slices(const Positions& positions, const std::filesystem::path& path,
-                          SlicedStack& sliced) {
-  const auto count = static_cast<std::size_t>(sliced.grid.size[2]);
-  sliced.slices.resize(count);
-  const Vec3 &first = place(positions.front()), &last = place(positions.back());
-  const double height = positions.back().height - positions.front().height;
-  const double step = count == 1 ? sliced.grid.spacing_mm[2] : height / static_cast<double>(count - 1);
+/// kFailed for frames beside the line from the first to the last.
+Result<void> check_line(const Positions& positions, double step_mm, const std::filesystem::path& path) {
+  const SlicePosition &first = positions.front(), &last = positions.back();
+  const Vec3 normal = normal_of(*first.frames.front());
   for (const SlicePosition& position : positions) {
-    const double k = std::round((position.height - positions.front().height) / step);
-    const double share = count == 1 ? 0 : k / static_cast<double>(count - 1);
-    const Vec3 expected = between(first, last, share);
     for (const DicomFrame* frame : position.frames) {
-      if (const double off = distance(frame->position, expected);
-          off > max_deviation_mm(step) + kSamePosition) {
+      const double height = dot(normal, frame->position) - first.height;
+      const double share = positions.size() == 1 ? 0 : height / span_of(positions);
+      const double off = distance(frame->position, between(place(first), place(last), share));
+      if (off > max_deviation_mm(step_mm) + kSamePosition) {
         return bad_file(
             path, "has a slice at {} that is {:.4g} mm off the line of the others; dcm2niix resamples them",
             position_text(frame->position), off);
       }
     }
-    sliced.slices[static_cast<std::size_t>(k)] = position.frames;
   }
   return {};
+}
+
+/// The frames of each slice of a segmentation's grid. Slices without any are empty, unless the steps are
+/// uneven: then the nearest frames count.
+void spread_slices(bool is_even, SlicedStack& sliced) {
+  const auto frames = std::exchange(sliced.slices, {});
+  sliced.slices.resize(static_cast<std::size_t>(sliced.grid.size[2]));
+  for (std::size_t k = 0, n = 0; k < sliced.slices.size(); ++k) {
+    const auto far = [&](std::size_t m) { return std::abs(sliced.places[m] - static_cast<double>(k)); };
+    while (n + 1 < frames.size() && far(n + 1) < far(n)) ++n;
+    if (!is_even || far(n) < 1.0 / 2) sliced.slices[k] = frames[n];
+  }
 }
 
 }  // namespace
@@ -244,29 +307,38 @@ std::vector<FrameStack> group_frames(std::span<const DicomFrame> frames) {
 
 std::string description(const FrameStack& stack) {
   const DicomFrame& first = *stack.frames.front();
-  const std::vector<SlicePosition> positions = slice_positions(stack.frames);
-  const SliceSteps steps = slice_steps(positions);
+  const Positions positions = slice_positions(stack.frames);
   std::string text = fmt::format("{} {}x{}x{}, {:.4g}x{:.4g}", first.modality, first.pixels.columns,
                                  first.pixels.rows, positions.size(), first.spacing[0], first.spacing[1]);
-  text += positions.size() > 1 ? fmt::format("x{:.4g} mm", steps.median_mm) : " mm";
+  text += positions.size() > 1 ? fmt::format("x{:.4g} mm", least_step(positions)) : " mm";
   if (!stack.part.empty()) text += ", " + stack.part;
   return text;
 }
 
 Result<SlicedStack> slice_stack(const FrameStack& stack, SliceGaps gaps, const std::filesystem::path& path) {
+  static const NoteKind kTilted{"tilted-stack", "stack of slices is tilted; its grid is sheared",
+                                "stacks of slices are tilted; their grids are sheared"};
   const Positions positions = slice_positions(stack.frames);
   const DicomFrame& first = *positions.front().frames.front();
-  SPLATLAS_ASSIGN_OR_RETURN(const std::int64_t count, count_slices(positions, gaps, path));
   SlicedStack sliced;
   Grid& grid = sliced.grid;
-  grid.size = {first.pixels.columns, first.pixels.rows, count};
+  grid.size = {first.pixels.columns, first.pixels.rows, 1};
   grid.spacing_mm = {first.spacing[0], first.spacing[1], 1};
   grid.origin_lps_mm = first.position;
   Vec3 axis = normal_of(first);
-  if (count == 1) {
+  std::string tilt;
+  if (positions.size() == 1) {
     set_single_slice(first, grid, sliced.notes);
+    sliced.step_mm = grid.spacing_mm[2];
   } else {
-    set_step(positions, count, axis, grid, sliced.notes);
+    sliced.step_mm = grid_step(positions, gaps);
+    tilt = set_axis(positions, sliced.step_mm, axis, grid);
+  }
+  sliced.places = places_of(positions, sliced.step_mm);
+  if (const double last = std::ceil(sliced.places.back()); last < static_cast<double>(kMaxAxisSize)) {
+    grid.size[2] = static_cast<std::int64_t>(last) + 1;
+  } else {
+    return bad_file(path, "has {} slices at steps of {} mm, which is too many", last + 1, sliced.step_mm);
   }
   for (std::size_t a = 0; a < 3; ++a) {
     grid.direction_lps[3 * a] = first.row[a];
@@ -275,59 +347,20 @@ Result<SlicedStack> slice_stack(const FrameStack& stack, SliceGaps gaps, const s
   }
   SPLATLAS_RETURN_IF_ERROR(validate(grid, path.string()));
   SPLATLAS_RETURN_IF_ERROR(payload_bytes(path, grid.size, sizeof(float)));
-  SPLATLAS_RETURN_IF_ERROR(place_slices(positions, path, sliced));
+  SPLATLAS_RETURN_IF_ERROR(check_line(positions, sliced.step_mm, path));
+  for (const SlicePosition& position : positions) sliced.slices.push_back(position.frames);
+  const bool is_even = are_multiples(positions, sliced.step_mm);
+  if (!is_even || (gaps == SliceGaps::kMissing && grid.size[2] > std::ssize(positions))) {
+    note_uneven(positions, sliced, tilt, sliced.notes);
+  } else if (!tilt.empty()) {
+    sliced.notes.add(kTilted, tilt);
+  }
+  if (gaps == SliceGaps::kEmpty) spread_slices(is_even, sliced);
   return sliced;
 }
 
 Vec3 normal_of(const DicomFrame& frame) {
   return cross(frame.row, frame.column);
-}
-
-std::vector<SlicePosition> slice_positions(std::span<const DicomFrame* const> frames) {
-  if (frames.empty()) return {};
-  const Vec3 normal = normal_of(*frames.front());
-  std::vector<SlicePosition> sorted;
-  for (const DicomFrame* frame : frames) {
-    sorted.push_back({dot(normal, frame->position), {frame}});
-  }
-  std::ranges::stable_sort(sorted, {}, &SlicePosition::height);
-  std::vector<SlicePosition> positions;
-  for (SlicePosition& next : sorted) {
-    if (!positions.empty() && next.height - positions.back().height <= kSamePosition) {
-      positions.back().frames.push_back(next.frames.front());
-    } else {
-      positions.push_back(std::move(next));
-    }
-  }
-  return positions;
-}
-
-double max_deviation_mm(double step_mm) {
-  constexpr double kShare = 0.01, kRounding = 0.01, kMaxShare = 0.05;
-  return std::max(kShare * step_mm, std::min(kRounding, kMaxShare * step_mm));
-}
-
-SliceSteps slice_steps(std::span<const SlicePosition> positions) {
-  SliceSteps steps;
-  if (positions.size() < 2) return steps;
-  std::vector<double> lengths;
-  for (std::size_t n = 1; n < positions.size(); ++n)
-    lengths.push_back(positions[n].height - positions[n - 1].height);
-  std::vector<double> sorted = lengths;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>((sorted.size() - 1) / 2);
-  std::ranges::nth_element(sorted, middle);
-  steps.median_mm = *middle;
-  for (std::size_t n = 0; n < lengths.size(); ++n) {
-    const double times = std::round(lengths[n] / steps.median_mm);
-    const double deviation = std::abs(lengths[n] - times * steps.median_mm);
-    if (times < 1 || deviation > max_deviation_mm(times * steps.median_mm)) {
-      steps.uneven.push_back(n);
-    } else if (times > 1) {
-      steps.gaps.push_back(n);
-      steps.missing += static_cast<std::size_t>(times) - 1;
-    }
-  }
-  return steps;
 }
 
 std::string position_text(const Vec3& position_lps_mm) {

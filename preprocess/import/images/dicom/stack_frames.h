@@ -21,59 +21,37 @@ struct FrameStack {
   std::string part;  ///< of a series that was split: "echo 1 of 2"; else empty
 };
 
-/// Groups frames by series, size, orientation (within 1e-3) and pixel spacing (1e-4); a segmentation file is
-/// a group. Where positions repeat or steps are uneven, splits a group by the first of its kinds (SplitKey,
-/// then pairs of them) that leaves even stacks of two and more slices. In order of series number and file.
+/// Groups frames by series, frame of reference, size, orientation (within 1e-3) and pixel spacing (1e-4); a
+/// segmentation file is a group. Where positions repeat or steps are uneven, splits a group by the first of
+/// its kinds (SplitKey, then pairs of them) that leaves even stacks of two and more slices which interleave.
+/// In order of series number and file.
 [[nodiscard]] std::vector<FrameStack> group_frames(std::span<const DicomFrame> frames);
 
 /// "CT 512x512x93, 3.2x3.2x1.5 mm", with the part. The number of slices counts positions.
 [[nodiscard]] std::string description(const FrameStack& stack);
 
-/// A grid and the frames of each of its slices.
+/// A grid and its frames.
 struct SlicedStack {
-  Grid grid;  ///< LPS; a tilted stack has a sheared direction
+  Grid grid;           ///< LPS; a tilted stack has a sheared direction
+  double step_mm = 1;  ///< along the normal
   std::vector<std::vector<const DicomFrame*>>
-      slices;  ///< k, then all frames there, in the order of the files
+      slices;  ///< then all frames there, in the order of the files; one slice for each k of a segmentation
+  std::vector<double> places;  ///< of an image's slices along k, ascending: 0, 1, 2, ... unless uneven
   Notes notes;
 };
 
-/// Slices that must all be there, or slices of which empty ones are left out (segmentations).
+/// Slices of which some may be missing, or of which empty ones are left out (segmentations).
 enum class SliceGaps { kMissing, kEmpty };
 
-/// Orders a stack by position along the normal and derives the grid. The step is the median of all steps. In
-/// segmentations it is SpacingBetweenSlices if all positions are multiples of it, else the least step.
-/// kFailed, with `path` and positions, for missing slices, uneven steps and slices off the line.
+/// Orders a stack by position along the normal and derives the grid. Its step is the least one; in
+/// segmentations it is SpacingBetweenSlices if all positions are multiples of it. A warning tells of missing
+/// slices and uneven steps, with the tilt. kFailed, with `path` and position, for slices off the line.
 /// Notes tilt: slices that are moved by more than 1e-3 of the step against the normal.
 [[nodiscard]] Result<SlicedStack> slice_stack(const FrameStack& stack, SliceGaps gaps,
                                               const std::filesystem::path& path);
 
-/// Positions within this distance are one, in mm.
-inline constexpr double kSamePosition = 1e-3;
-
-/// The frames at one position.
-struct SlicePosition {
-  double height = 0;  ///< mm along the normal
-  std::vector<const DicomFrame*> frames;
-};
-
 /// Row x column: where slices come to lie in a right-handed grid.
 [[nodiscard]] Vec3 normal_of(const DicomFrame& frame);
-/// Positions in ascending order along the first frame's normal. Those within kSamePosition are one.
-[[nodiscard]] std::vector<SlicePosition> slice_positions(std::span<const DicomFrame* const> frames);
-
-/// The steps between positions, compared with the median of them.
-struct SliceSteps {
-  double median_mm = 0;             ///< 0 for one position
-  std::size_t missing = 0;          ///< slices that are left out between others
-  std::vector<std::size_t> gaps;    ///< steps of several times the median, by their first position
-  std::vector<std::size_t> uneven;  ///< other steps
-  [[nodiscard]] bool is_even() const { return gaps.empty() && uneven.empty(); }
-};
-[[nodiscard]] SliceSteps slice_steps(std::span<const SlicePosition> positions);
-
-/// Maximum deviation of a slice: 1 % of the step, at least the rounding of 0.01 mm in positions.
-[[nodiscard]] double max_deviation_mm(double step_mm);
-
 /// "(0, 0, 12.5)", for messages.
 [[nodiscard]] std::string position_text(const Vec3& position_lps_mm);
 /// Notes a frame that is ignored for another one at its position.

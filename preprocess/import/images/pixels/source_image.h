@@ -24,8 +24,9 @@ struct SourceSegment {
 /// Layers of voxels on one grid, and what the file says of them. A volume has one layer, a series of volumes
 /// one per volume, a segmentation as many as its overlaps need.
 struct SourceImage {
-  Grid grid;           ///< LPS
-  VoxelBuffer voxels;  ///< layer after layer, i fastest
+  Grid grid;                           ///< LPS
+  std::size_t frame_of_reference = 0;  ///< a hash of DICOM's UID; 0 if unknown
+  VoxelBuffer voxels;                  ///< layer after layer, i fastest
   std::size_t layers = 1;
   std::vector<SourceSegment> segments;  ///< names of values; empty for images
   bool is_segmentation = false;         ///< only values of `segments` are structures
@@ -38,6 +39,8 @@ struct ImageOptions {
   std::optional<std::size_t> component = {};  ///< volume of a file of several, from 1
   std::optional<Vec3> spacing_mm = {};        ///< of stacks of pictures, which have none
   bool as_labels = false;                     ///< values of a label map are rounded, whatever they look like
+  bool labels = false;  ///< of a DICOM folder with both, the segmentation is wanted and not the image
+  std::optional<Grid> grid = {};  ///< of contours, which have none
 };
 
 // Members, for archives.
@@ -49,7 +52,8 @@ void transfer(auto& archive, SourceSegment& segment) {
   archive(segment.layer, segment.value, segment.structure);
 }
 void transfer(auto& archive, SourceImage& image) {
-  archive(image.grid, image.voxels, image.layers, image.segments, image.is_segmentation, image.notes);
+  archive(image.grid, image.frame_of_reference, image.voxels, image.layers, image.segments,
+          image.is_segmentation, image.notes);
 }
 
 }  // namespace splatlas

@@ -96,6 +96,15 @@ struct TestSegmentation {
 };
 void write_segmentation(const TestSegmentation& segmentation, const std::filesystem::path& path);
 
+struct TestRegion {
+  std::string name;
+  std::vector<std::vector<Vec3>> contours;
+  std::string type = "CLOSED_PLANAR";
+};
+/// A file of contours (RTSTRUCT) in #0a141e. The first region has number 3.
+void write_contours(const std::vector<TestRegion>& regions, const std::filesystem::path& path,
+                    const std::string& frame_of_reference = "");
+
 /// Fills every text and UID attribute of the dictionary that the file lacks, and a private group, with words
 /// that hold PLANTED, and UIDs from 9.8.7.6. Returns their number.
 std::size_t plant_identifiers(const std::filesystem::path& path);

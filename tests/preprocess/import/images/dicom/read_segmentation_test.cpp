@@ -115,8 +115,10 @@ TEST_F(ImportDicom, SlicesWithoutFramesAreEmpty) {
             joined_slices({pixels(0, 1), pixels(1, 2), none, pixels(2, 3)}));
   segmentation.frames[2].z = 12;
   write_segmentation(segmentation, file("a"));
-  EXPECT_THAT(import(),
-              FailsWith(ErrorCode::kFailed, HasSubstr("uneven steps from (0, 0, 0) to (0, 0, 12)")));
+  image = imported();  // steps of 5 and 7 mm: the nearest frame
+  EXPECT_EQ(voxels_of<std::uint8_t>(image, 0),
+            joined_slices({pixels(0, 1), pixels(1, 2), pixels(2, 3), pixels(2, 3)}));
+  EXPECT_THAT(notes_of(image), ElementsAre(HasSubstr("steps of 5 to 7 mm become 5 mm")));
 }
 
 TEST_F(ImportDicom, FractionsAboveOneHalfBelong) {
@@ -126,8 +128,11 @@ TEST_F(ImportDicom, FractionsAboveOneHalfBelong) {
   Mask fractions = pixels(0, 10, 100);  // of 200
   fractions[3] = 101;
   fractions[4] = 200;
-  segmentation.frames = {{1, 0, fractions}, {2, 1, pixels(0, 2, 199)}};
+  segmentation.frames = {{1, 0, fractions}, {2, 1, pixels(0, 2, 199)}, {3, 1, pixels(0, 9, 80)}};
   write_segmentation(segmentation, file("a"));
+  EXPECT_THAT(
+      notes_of(imported()),
+      ElementsAre("1 segment has no fraction above one half, which a voxel needs: Tumour (largest 0.4)"));
   Mask first = pixels(3, 5);
   EXPECT_EQ(voxels_of<std::uint8_t>(imported(), 0), joined_slices({first, pixels(0, 2, 2)}));
 }

@@ -78,4 +78,28 @@ void write_segmentation(const TestSegmentation& segmentation, const std::filesys
   save(file, path, EXS_LittleEndianExplicit);
 }
 
+void write_contours(const std::vector<TestRegion>& regions, const std::filesystem::path& path,
+                    const std::string& frame_of_reference) {
+  DcmFileFormat file;
+  DcmDataset& dataset = *file.getDataset();
+  put_series(dataset, UID_RTStructureSetStorage, "RTSTRUCT");
+  for (std::size_t n = 0; n < regions.size(); ++n) {
+    DcmItem &structure = item_of(dataset, DCM_StructureSetROISequence),
+            &contours = item_of(dataset, DCM_ROIContourSequence);
+    put(structure, DCM_ROINumber, std::to_string(n + 3));
+    put(structure, DCM_ROIName, regions[n].name);
+    put(structure, DCM_ReferencedFrameOfReferenceUID, frame_of_reference);
+    put(contours, DCM_ReferencedROINumber, std::to_string(n + 3));
+    put(contours, DCM_ROIDisplayColor, "10\\20\\30");
+    for (const std::vector<Vec3>& points : regions[n].contours) {
+      DcmItem& contour = item_of(contours, DCM_ContourSequence);
+      put(contour, DCM_ContourGeometricType, regions[n].type);
+      std::vector<double> numbers;
+      for (const Vec3& point : points) numbers.insert(numbers.end(), point.begin(), point.end());
+      put(contour, DCM_ContourData, joined(numbers));
+    }
+  }
+  save(file, path, EXS_LittleEndianImplicit);
+}
+
 }  // namespace splatlas

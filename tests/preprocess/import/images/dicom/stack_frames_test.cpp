@@ -76,23 +76,41 @@ TEST_F(ImportDicom, ATiltedStackHasAShearedGrid) {
   EXPECT_THAT(notes_of(image), ElementsAre("1 stack of slices is tilted; its grid is sheared: 15.0 degrees"));
 }
 
-TEST_F(ImportDicom, AMissingSliceIsAnErrorWithItsPlace) {
+TEST_F(ImportDicom, MissingSlicesAreInterpolated) {
   write_series();
   std::filesystem::remove(file("slice7"));  // z = 14
-  EXPECT_THAT(import(),
-              FailsWith(ErrorCode::kFailed,
-                        AllOf(HasSubstr("lacks 1 slice at steps of 2 mm, from (-1, 2, 12) to (-1, 2, 16)"),
-                              HasSubstr("dcm2niix"))));
+  SourceImage image = imported();
+  expect_ramps(image, 5);
+  EXPECT_EQ(image.grid.spacing_mm[2], 2);
+  const std::string note =
+      "1 stack of slices has uneven steps and is interpolated to even ones: steps of 2 to ";
+  EXPECT_THAT(notes_of(image), ElementsAre(note + "4 mm become 2 mm, new slices at (-1, 2, 14)"));
+  EXPECT_TRUE(image.notes.all()[0].kind.is_warning);
+  std::filesystem::remove(file("slice6"));
+  image = imported();
+  expect_ramps(image, 5);
+  EXPECT_THAT(notes_of(image),
+              ElementsAre(note + "6 mm become 2 mm, new slices at (-1, 2, 14), (-1, 2, 16)"));
 }
 
-TEST_F(ImportDicom, UnevenStepsAreAnErrorWithTheirPlace) {
-  write_series();
-  TestSlice slice = axial(5);
-  slice.position[2] = 20.5;
-  write_slice(slice, file("slice0"));
-  EXPECT_THAT(import(), FailsWith(ErrorCode::kFailed,
-                                  AllOf(HasSubstr("most are 2 mm, but not (-1, 2, 18) to (-1, 2, 20.5)"),
-                                        HasSubstr("dcm2niix"))));
+TEST_F(ImportDicom, OneWarningTellsOfStepsAndTilt) {
+  const double tilt = std::tan(20 * std::numbers::pi / 180);
+  const std::array<double, 6> heights{0, 4, 8, 12, 19, 26};
+  for (int k = 0; k < 6; ++k) {
+    TestSlice slice = axial(k);
+    const double z = heights[static_cast<std::size_t>(k)];
+    slice.position = {1, -tilt * z, z};
+    write_slice(slice, file(fmt::format("slice{}", k)));
+  }
+  const SourceImage image = imported();
+  EXPECT_EQ(image.grid.size[2], 8);
+  const Vec3 last = index_to_lps_mm(image.grid).apply({0, 0, 7});
+  EXPECT_NEAR(last[2], 28, 1e-7);
+  EXPECT_NEAR(last[1], -tilt * 28, 1e-7);
+  EXPECT_EQ(image.voxels.as<std::int16_t>()[5 * TestSlice::kPixels], 414);
+  EXPECT_THAT(notes_of(image),
+              ElementsAre(AllOf(HasSubstr("tilt 20.0 degrees, steps of 4 to 7 mm become 4 mm"),
+                                HasSubstr(" and 1 more"))));
 }
 
 TEST_F(ImportDicom, RoundedPositionsAreEven) {
@@ -119,11 +137,12 @@ TEST_F(ImportDicom, TheFirstOfDuplicatesIsKept) {
   copy.stored = ramp(77);
   write_slice(copy, file("slice99"));
   copy.position = axial(1).position;
+  copy.position[2] += 0.05;  // nearer than any step
   write_slice(copy, file("slice98"));
   const SourceImage image = imported();
   expect_ramps(image, 5);
   EXPECT_THAT(notes_of(image),
-              ElementsAre("2 slices repeat others' positions and are ignored: (-1, 2, 12), (-1, 2, 16)"));
+              ElementsAre("2 slices repeat others' positions and are ignored: (-1, 2, 12.05), (-1, 2, 16)"));
 }
 
 TEST_F(ImportDicom, OneSliceHasItsThickness) {
