@@ -20,11 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const NoteKind kNotSmoothed{"not-smoothed", "", "", false}, kStoredSurfaces{"stored-surfaces", "", "", false};
-
 Result<void> check_no_warning(const Notes& notes) {
   const auto warning =
-      std::ranges::find_if(notes.all(), [](const Note& note) { return note.kind.is_warning; });
+      std::ranges::find_if(notes.all(), [](const Note& note) { return note.level() == NoteLevel::kWarning; });
   if (warning == notes.all().end()) return {};
   return fail(ErrorCode::kFailed, "--strict: {}; nothing is written", warning->message());
 }
@@ -57,12 +55,12 @@ std::vector<Isosurface> isosurfaces_of(const SourceModel& model, const PlacedStr
 
 void note_surfaces(SurfaceRule rule, const Grid& grid, const ExtractedSurfaces& extracted, Notes& notes) {
   if (rule_for(rule, grid.size) != rule) {
-    notes.add(kNotSmoothed,
+    notes.add("not-smoothed",
               fmt::format("surfaces are not smoothed: an axis of the grid has more than {} voxels",
                           kMaxSmoothSize));
   }
   if (extracted.not_derived > 0) {
-    notes.add(kStoredSurfaces,
+    notes.add("stored-surfaces",
               fmt::format("{} surfaces of VTK have other triangles than the file format derives; they "
                           "are stored",
                           extracted.not_derived));

@@ -19,10 +19,6 @@ namespace {
 constexpr std::uint64_t kReportedBelow = 100;
 constexpr std::size_t kNamedStructures = 3;
 
-const NoteKind kFragments{"fragments", "", "", false}, kDroppedFragments{"dropped-fragments", "", "", false};
-const NoteKind kEmptySegment{"segments-without-voxels", "segment has no voxel outside the other structures",
-                             "segments have no voxels outside the other structures", true};
-
 /// "612 fragments with 1534 voxels in 41 structures, most in ...".
 std::string describe(std::vector<StructureFragments> found, const SourceModel& model) {
   std::ranges::stable_sort(found, std::ranges::greater{}, &StructureFragments::components);
@@ -84,12 +80,12 @@ class FragmentFilter {
 
   void note(const SourceModel& model, Notes& notes) const {
     if (!kept_.empty()) {
-      notes.add(kFragments,
+      notes.add("fragments",
                 fmt::format("{}; a fragment is a component of fewer than {} voxels beside the largest "
                             "one of its structure, --drop-fragments {} drops them",
                             describe(kept_, model), kReportedBelow, kReportedBelow));
     }
-    if (!dropped_.empty()) notes.add(kDroppedFragments, "dropped " + describe(dropped_, model));
+    if (!dropped_.empty()) notes.add("dropped-fragments", "dropped " + describe(dropped_, model));
   }
 
  private:
@@ -213,7 +209,7 @@ Result<void> segment_structures(SourceModel& model, const PlacedStructures& plac
     SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::uint8_t> mask, segmenter.voxels_of(n));
     const std::size_t structure = first_segment + n;
     if (model.memberships.add(static_cast<StructureIndex>(structure), mask) == 0) {
-      notes.add(kEmptySegment, model.segments[n].rule.name);
+      notes.add("segments-without-voxels", model.segments[n].rule.name);
     }
     fragments.apply(model.memberships, structure, structure + 1);
     progress(static_cast<double>(n + 1) / static_cast<double>(model.segments.size()));

@@ -152,8 +152,10 @@ Result<void> run_build(const BuildRequest& request) {
   const std::string error = report ? std::string() : report.error().message;
   if (request.progress != ProgressMode::kJson) {
     for (const Note& note : notes.all()) {
-      if (note.kind.is_minor || error.find(note.message()) != std::string::npos) continue;  // --strict
-      print_to(stderr, PrintableText("{}: {}\n", note.kind.is_warning ? "warning" : "note", note.message()));
+      if (note.level() == NoteLevel::kMinor || error.find(note.message()) != std::string::npos)
+        continue;  // --strict
+      print_to(stderr, PrintableText("{}: {}\n", note.level() == NoteLevel::kWarning ? "warning" : "note",
+                                     note.message()));
     }
   }
   if (!report) return tl::unexpected(report.error());

@@ -26,8 +26,8 @@ body {{ font: 16px/1.5 sans-serif; max-width: 50em; margin: 2em auto; padding: 0
 std::string report_as_json(const Notes& notes) {
   nlohmann::ordered_json report{{"notes", nlohmann::ordered_json::array()}};
   for (const Note& note : notes.all()) {
-    report["notes"].push_back({{"kind", note.kind.id},
-                               {"warning", note.kind.is_warning},
+    report["notes"].push_back({{"kind", note.kind},
+                               {"warning", note.level() == NoteLevel::kWarning},
                                {"count", note.items.size()},
                                {"message", note.message()},
                                {"items", note.items}});
@@ -39,8 +39,9 @@ std::string report_as_html(const Notes& notes, const std::filesystem::path& atla
   std::string page = fmt::format(kHead, "Build of " + escaped_html(atlas.filename().string()));
   if (notes.empty()) page += "<p>Nothing is odd.</p>\n";
   for (const Note& note : notes.all()) {
-    page += fmt::format("<details class=\"{}\"><summary>{}</summary><ul>\n",
-                        note.kind.is_warning ? "warning" : "note", escaped_html(note.message()));
+    page +=
+        fmt::format("<details class=\"{}\"><summary>{}</summary><ul>\n",
+                    note.level() == NoteLevel::kWarning ? "warning" : "note", escaped_html(note.message()));
     for (const std::string& item : note.items) page += fmt::format("<li>{}</li>\n", escaped_html(item));
     page += "</ul></details>\n";
   }

@@ -26,27 +26,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const NoteKind kFurtherErrors{"further-errors", "further problem", "further problems", true};
-const NoteKind kVolumeResampled{
-    "resampled-volume", "volume is on another grid than the labels and is interpolated at their voxels",
-    "volumes are on other grids than the labels and are interpolated at their voxels", true};
-const NoteKind kLabelsWidened{"labels-widened",
-                              "label map covers a part of the volume's grid, which stays whole",
-                              "label maps cover a part of the volume's grid, which stays whole", false};
-const NoteKind kOtherFrame{"other-frame-of-reference", "", "", true};
-const NoteKind kMaskResampled{
-    "resampled-segment-masks", "mask of a segment is on another grid and is resampled to the nearest voxel",
-    "masks of segments are on other grids and are resampled to the nearest voxel", true};
-const NoteKind kStructureLost{"lost-structures", "structure has no voxel left on the other grid",
-                              "structures have no voxels left on the other grid", true};
-const NoteKind kStructureResampled{
-    "resampled-structures", "structure is on another grid and is resampled to the nearest voxel",
-    "structures are on other grids and are resampled to the nearest voxel", true};
-const NoteKind kDegenerate{"degenerate-triangles", "surface has triangles without area, which are dropped",
-                           "surfaces have triangles without area, which are dropped", false};
-const NoteKind kOutside{"surfaces-outside", "surface is partly outside the volume, and cut off there",
-                        "surfaces are partly outside the volume, and cut off there", true};
-
 /// Imports the files into a SourceModel, kind by kind.
 class SourceImporter {
  public:
@@ -88,7 +67,7 @@ class SourceImporter {
   void keep_error(Result<void> result) {
     if (result) return;
     if (error_) {
-      notes_.add(kFurtherErrors, result.error().message);
+      notes_.add("further-errors", result.error().message);
     } else {
       error_ = std::move(result).error();
     }
@@ -201,11 +180,11 @@ class SourceImporter {
       const auto named = name_of_label.find(sizes.label.value_or(0));
       const std::string& name = named != name_of_label.end() ? named->second : sizes.name;
       if (sizes.voxels_after == 0) {
-        notes_.add(kStructureLost,
+        notes_.add("lost-structures",
                    fmt::format("{} ({} voxels, {:.4g} ml)", name, sizes.voxels_before, sizes.ml_before));
       } else if (sizes.voxels_before != sizes.voxels_after || sizes.ml_before < sizes.ml_after ||
                  sizes.ml_before > sizes.ml_after) {
-        notes_.add(kStructureResampled,
+        notes_.add("resampled-structures",
                    fmt::format("{} ({} voxels, {:.4g} ml, become {} voxels, {:.4g} ml)", name,
                                sizes.voxels_before, sizes.ml_before, sizes.voxels_after, sizes.ml_after));
       }
@@ -223,11 +202,12 @@ class SourceImporter {
       model_.memberships.widen(*margin);
       const AxisOrder order = storage_order(model_.source_grid);
       model_.source_grid = widened(model_.source_grid, before_reordering(*margin, order));
-      notes_.add(kLabelsWidened, files_.labels.string());
+      notes_.add("labels-widened", files_.labels.string());
     }
     const std::size_t frame = volume_->frame_of_reference;
     if (frame != 0 && labels_frame_ != 0 && frame != labels_frame_)
-      notes_.add(kOtherFrame, "labels and volume differ in FrameOfReferenceUID, and need not fit");
+      notes_.add("other-frame-of-reference",
+                 "labels and volume differ in FrameOfReferenceUID, and need not fit");
     if (!have_same_voxels(model_.source_grid, volume_->grid)) {
       const std::string difference =
           check_same_grid(model_.source_grid, labels_source_, volume_->grid, files_.volume.string())
@@ -236,8 +216,8 @@ class SourceImporter {
       if (!(overlap(model_.source_grid, volume_->grid) > 0))
         return fail(ErrorCode::kFailed,
                     "{}, and they do not overlap; were they made of one patient and frame?", difference);
-      notes_.add(kVolumeResampled, fmt::format("{} ({}; --resample volume keeps its grid instead)",
-                                               files_.volume.string(), difference));
+      notes_.add("resampled-volume", fmt::format("{} ({}; --resample volume keeps its grid instead)",
+                                                 files_.volume.string(), difference));
       volume_->voxels = resample_linear(*volume_, model_.source_grid);
       volume_->grid = model_.source_grid;
     }
@@ -272,7 +252,7 @@ class SourceImporter {
     if (!have_same_voxels(model_.source_grid, image.grid)) {
       if (!(overlap(image.grid, model_.source_grid) > 0))
         return bad_file(rule.mask, "lies outside the grid of the other files");
-      notes_.add(kMaskResampled, rule.name);
+      notes_.add("resampled-segment-masks", rule.name);
       image.voxels = resample_nearest(image, model_.source_grid);
       image.grid = model_.source_grid;
     }
@@ -288,8 +268,8 @@ class SourceImporter {
     for (const MeshSource& source : files_.meshes) {
       SPLATLAS_ASSIGN_OR_RETURN(TriangleMesh mesh, place_mesh(source, labelled, notes_));
       if (mesh.dropped > 0) {
-        notes_.add(kDegenerate, fmt::format("{} ({} of {})", source.file.string(), mesh.dropped,
-                                            mesh.dropped + mesh.triangles.size()));
+        notes_.add("degenerate-triangles", fmt::format("{} ({} of {})", source.file.string(), mesh.dropped,
+                                                       mesh.dropped + mesh.triangles.size()));
       }
       meshes.push_back(std::move(mesh));
     }
@@ -313,7 +293,8 @@ class SourceImporter {
     }
     constexpr double kNegligible = 1e-6;
     if (clipped->outside > kNegligible)
-      notes_.add(kOutside, fmt::format("{} ({:.1f} %)", source.file.string(), 100 * clipped->outside));
+      notes_.add("surfaces-outside",
+                 fmt::format("{} ({:.1f} %)", source.file.string(), 100 * clipped->outside));
     SourceStructure structure;
     structure.name = source.name;
     structure.color = source.color;

@@ -64,9 +64,6 @@ Grid grid_around(std::span<const TriangleMesh> meshes) {
   return grid;
 }
 
-const NoteKind kWidened{"widened-grid", "grid is widened for surfaces", "grids are widened for surfaces",
-                        false};
-
 Grid storage_grid_of(const SourceModel& model) {
   return reordered(model.source_grid, storage_order(model.source_grid));
 }
@@ -150,7 +147,7 @@ Result<void> fit_grid(SourceModel& model, std::span<const TriangleMesh> meshes, 
         fmt::join(grid.size, "x"), fmt::join(wide.size, "x"));
   }
   widen(model, grid, margin);
-  notes.add(kWidened,
+  notes.add("widened-grid",
             fmt::format("from {} to {} voxels", fmt::join(grid.size, "x"), fmt::join(wide.size, "x")));
   return {};
 }

@@ -78,13 +78,6 @@ class GraphParts {
   std::vector<StructureIndex> index_of_source_;
 };
 
-const NoteKind kUnusedNodes{"tree-entries-unused", "entry of the tree has no structure and is left out",
-                            "entries of the tree have no structure and are left out", false};
-const NoteKind kUnknownParents{"tree-parents-unknown", "parent in the tree does not exist",
-                               "parents in the tree do not exist", true};
-const NoteKind kCircles{"tree-circles", "parent in the tree is below its child and is left out",
-                        "parents in the tree are below their children and are left out", true};
-
 struct Node {
   StructureIndex source = kNoStructure;
   std::vector<std::size_t> parents;
@@ -120,7 +113,7 @@ class NodePlacer {
     for (std::size_t n = 0; n < nodes_.size(); ++n) {
       const TreeLine& line = lines_[n];
       if (!nodes_[n].is_used) {
-        notes_.add(kUnusedNodes, in_quotes(line.node->name));
+        notes_.add("tree-entries-unused", in_quotes(line.node->name));
         continue;
       }
       const bool is_group = nodes_[n].source == kNoStructure;
@@ -157,7 +150,7 @@ class NodePlacer {
     for (const std::string& key : node.parents) {
       const auto parent = node_of_key_.find(key);
       if (parent == node_of_key_.end()) {
-        notes_.add(kUnknownParents, fmt::format("{} of {}", in_quotes(key), in_quotes(node.name)));
+        notes_.add("tree-parents-unknown", fmt::format("{} of {}", in_quotes(key), in_quotes(node.name)));
       } else if (parent->second != n) {
         nodes_[n].parents.push_back(parent->second);
       }
@@ -186,8 +179,8 @@ class NodePlacer {
         }
         const std::size_t child = children[n][next++];
         if (states[child] == State::kOpen) {
-          notes_.add(kCircles, fmt::format("{} of {}", in_quotes(lines_[n].node->name),
-                                           in_quotes(lines_[child].node->name)));
+          notes_.add("tree-circles", fmt::format("{} of {}", in_quotes(lines_[n].node->name),
+                                                 in_quotes(lines_[child].node->name)));
           std::erase(nodes_[child].parents, n);
         } else if (states[child] == State::kNew) {
           way.emplace_back(child, 0);
@@ -237,9 +230,6 @@ Result<void> place_nodes(std::span<const TreeLine> lines, const std::string& fil
   placer.place(parts);
   return {};
 }
-
-const NoteKind kUnusedLines{"tree-lines-unused", "line of the tree fits no structure and is left out",
-                            "lines of the tree fit no structure and are left out", true};
 
 /// The colour of the n-th of `count` structures.
 Rgb between(const ColorRange& range, std::size_t n, std::size_t count) {
@@ -327,7 +317,7 @@ class PathPlacer {
     if (found.empty()) {
       const std::size_t groups = named == groups_of_name_.end() ? 0 : named->second.size();
       if (first_unused_ == nullptr) first_unused_ = &line;
-      notes_.add(kUnusedLines,
+      notes_.add("tree-lines-unused",
                  fmt::format("line {}, {}{}", line.number, in_quotes(line.member),
                              groups > 1 ? fmt::format(" (which is the name of {} groups)", groups) : ""));
     }

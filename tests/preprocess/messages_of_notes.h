@@ -17,7 +17,7 @@ inline std::vector<std::string> messages_of(const Notes& notes) {
 /// Items of the notes of a kind.
 inline std::vector<std::string> items_of(const Notes& notes, const std::string& kind) {
   for (const Note& note : notes.all()) {
-    if (note.kind.id == kind) return note.items;
+    if (note.kind == kind) return note.items;
   }
   return {};
 }

@@ -18,10 +18,6 @@ static_assert(std::endian::native == std::endian::little, "MGH files are big-end
 
 constexpr std::size_t kHeaderBytes = 284;
 
-const NoteKind kNoMghOrientation{
-    "no-orientation-mgh", "MGH file has no orientation; FreeSurfer's default (coronal, 1 mm) is used",
-    "MGH files have no orientation; FreeSurfer's default (coronal, 1 mm) is used", true};
-
 Result<VoxelType> mgh_type(std::int32_t type, const fs::path& path) {
   switch (type) {
     case 0: return VoxelType::kUInt8;
@@ -42,7 +38,7 @@ Result<Grid> mgh_grid(const Fields& header, const Index3& size, const fs::path& 
     header.get_all<float>(42, axes);
     header.get_all<float>(78, center);
   } else {
-    notes.add(kNoMghOrientation, path.string());
+    notes.add("no-orientation-mgh", path.string());
   }
   std::array<double, 12> affine{};
   for (std::size_t row = 0; row < 3; ++row) {

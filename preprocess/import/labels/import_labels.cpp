@@ -21,15 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const NoteKind kEmptyMasks{"empty-masks", "mask without voxels is dropped",
-                           "masks without voxels are dropped", true};
-const NoteKind kGreyFiles{"grey-masks", "file holds grey values, is no mask, and is left out",
-                          "files hold grey values, are no masks, and are left out", true};
-const NoteKind kWithSeveralValues{"masks-with-several-values",
-                                  "mask has several values; all but 0 are inside",
-                                  "masks have several values; all but 0 are inside", true};
-const NoteKind kProbabilities{"probability-masks", "file holds probabilities; voxels from 0.5 on are inside",
-                              "files hold probabilities; voxels from 0.5 on are inside", false};
 /// The file's name without its ending, .nii.gz included.
 std::string structure_name(const fs::path& file) {
   fs::path name = file.filename();
@@ -150,24 +141,24 @@ class MaskFolder {
   Result<void> add(const fs::path& file, Image image) {
     MaskKind kind = kind_of(image.voxels);
     if (kind == MaskKind::kProbability) {
-      labels_.notes.add(kProbabilities, file.filename().string());
+      labels_.notes.add("probability-masks", file.filename().string());
       image.voxels = likely(image.voxels);
       kind = kind_of(image.voxels);
     }
     if (kind == MaskKind::kGrey) {
-      labels_.notes.add(kGreyFiles, file.filename().string());
+      labels_.notes.add("grey-masks", file.filename().string());
       return {};
     }
     if (!has_grid_) begin(image.grid, file.string());
     const std::string name = structure_name(file);
     if (kind == MaskKind::kEmpty) {
-      labels_.notes.add(kEmptyMasks, name);
+      labels_.notes.add("empty-masks", name);
       return {};
     }
     if (const auto fit = check_structure_name(name); !fit) return bad_file(file, "{}", fit.error().message);
     if (const auto [other, is_new] = file_of_name_.emplace(name_key(name), file); !is_new)
       return bad_file(file, "names the same structure as {}", other->second.string());
-    if (kind == MaskKind::kSeveralValues) labels_.notes.add(kWithSeveralValues, name);
+    if (kind == MaskKind::kSeveralValues) labels_.notes.add("masks-with-several-values", name);
     const bool is_resampled = !have_same_voxels(labels_.source_grid, image.grid);
     ResampledStructure sizes;
     sizes.name = name;
@@ -199,13 +190,6 @@ class MaskFolder {
   bool has_grid_ = false;
 };
 
-const NoteKind kEmptySegments{"empty-segments", "segment without voxels is dropped",
-                              "segments without voxels are dropped", true};
-const NoteKind kNoSegment{"values-without-segment", "value belongs to no segment; its voxels are background",
-                          "values belong to no segment; their voxels are background", true};
-const NoteKind kBadSegmentName{"bad-segment-names", "segment has a name that cannot be used",
-                               "segments have names that cannot be used", true};
-
 /// Adds the segments of one layer, and counts their voxels.
 template <typename T>
 void read_layer(const std::vector<SourceSegment>& segments, std::size_t layer, const VoxelBuffer& voxels,
@@ -218,7 +202,7 @@ void read_layer(const std::vector<SourceSegment>& segments, std::size_t layer, c
     if (!(value > 0 || value < 0)) return kNoStructure;
     const auto key = static_cast<std::int64_t>(static_cast<double>(value));  // exact: values have 32 bits
     const auto [found, is_new] = structure_of_value.emplace(key, kNoStructure);
-    if (is_new) labels.notes.add(kNoSegment, fmt::format("{} (layer {})", value, layer + 1));
+    if (is_new) labels.notes.add("values-without-segment", fmt::format("{} (layer {})", value, layer + 1));
     return found->second;
   };
   std::vector<StructureIndex> structures(voxels.bytes.size() / sizeof(T), kNoStructure);
@@ -242,7 +226,7 @@ void drop_empty(ImportedLabels& labels, std::vector<std::uint64_t>& counts) {
     if (counts[n] > 0) {
       kept.push_back(n);
     } else {
-      labels.notes.add(kEmptySegments, labels.structures[n].name);
+      labels.notes.add("empty-segments", labels.structures[n].name);
     }
   }
   take_in_order(kept, labels);
@@ -261,7 +245,7 @@ Result<ImportedLabels> read_segments(SourceImage image, const std::string& name)
     SourceStructure structure = segment.structure;
     if (const auto fit = check_structure_name(structure.name); !fit) {
       structure.name = fmt::format("Segment {}", result.structures.size() + 1);
-      result.notes.add(kBadSegmentName, structure.name);
+      result.notes.add("bad-segment-names", structure.name);
     }
     if (image.layers == 1) structure.label = segment.value;
     result.structures.push_back(std::move(structure));

@@ -23,29 +23,6 @@ namespace {
 
 using SetId = MembershipVolume::SetId;
 
-const NoteKind kNoLabel{"no-labels", "label map holds background only", "label maps hold background only",
-                        true};
-const NoteKind kUnnamed{"unnamed-labels", "label has no name and is called \"Label N\"",
-                        "labels have no names and are called \"Label N\"", true};
-const NoteKind kUnusedNames{"names-without-voxels", "name has no voxel and is dropped",
-                            "names have no voxels and are dropped", false};
-const NoteKind kCountsFromZero{"counts-from-0", "table seems to count from 0", "tables seem to count from 0",
-                               true};
-const NoteKind kDuplicateNames{"duplicate-names", "name stands for several labels",
-                               "names stand for several labels", false, true};
-const NoteKind kDuplicateColors{"duplicate-colors", "colour stands for several labels",
-                                "colours stand for several labels", false, true};
-const NoteKind kRounded{"rounded-labels", "file has its labels rounded", "files have their labels rounded",
-                        false};
-const NoteKind kNanVoxels{"nan-voxels", "file has voxels of NaN, which are background",
-                          "files have voxels of NaN, which are background", false};
-const NoteKind kInexact{
-    "inexact-labels", "file has labels above 16777216 as 32-bit floats, which may have merged them",
-    "files have labels above 16777216 as 32-bit floats, which may have merged them", true};
-const NoteKind kBadHeaderName{
-    "bad-names", "name in an image file cannot be used; its label is called \"Label N\"",
-    "names in an image file cannot be used; their labels are called \"Label N\"", true};
-
 std::string default_name(std::int64_t label) {
   return fmt::format("Label {}", label);
 }
@@ -108,11 +85,11 @@ Result<FoundLabels> find_labels(const VoxelBuffer& image, const std::string& nam
 
 void note_rounding(const FoundLabels& found, VoxelType type, const std::string& name, Notes& notes) {
   if (found.most_rounded > 0)
-    notes.add(kRounded, fmt::format("{} (by at most {:.2g})", name, found.most_rounded));
-  if (found.nans > 0) notes.add(kNanVoxels, fmt::format("{} ({})", name, found.nans));
+    notes.add("rounded-labels", fmt::format("{} (by at most {:.2g})", name, found.most_rounded));
+  if (found.nans > 0) notes.add("nan-voxels", fmt::format("{} ({})", name, found.nans));
   constexpr std::uint32_t kMostExact = 1u << 24;
   const bool is_large = !found.labels.empty() && std::ranges::max(found.labels) > kMostExact;
-  if (type == VoxelType::kFloat32 && is_large) notes.add(kInexact, name);
+  if (type == VoxelType::kFloat32 && is_large) notes.add("inexact-labels", name);
 }
 
 /// Grey values: neighbours along a row mostly differ, or values have few voxels each. Neither holds for label
@@ -147,7 +124,7 @@ void name_by_segments(const std::vector<SourceSegment>& segments, ImportedLabels
     const auto found = by_value.find(*structure.label);
     if (found == by_value.end()) continue;
     if (const auto fit = check_structure_name(found->second->name); !fit) {
-      labels.notes.add(kBadHeaderName, structure.name);
+      labels.notes.add("bad-names", structure.name);
       continue;
     }
     const auto label = structure.label;
@@ -204,9 +181,10 @@ bool is_background(std::string_view name) {
 void note_shared(ImportedLabels& labels) {
   std::map<std::string, int> names, colors;
   for (const SourceStructure& structure : labels.structures) {
-    if (++names[name_key(structure.name)] == 2) labels.notes.add(kDuplicateNames, in_quotes(structure.name));
+    if (++names[name_key(structure.name)] == 2)
+      labels.notes.add("duplicate-names", in_quotes(structure.name));
     if (structure.color && ++colors[to_hex(*structure.color)] == 2)
-      labels.notes.add(kDuplicateColors, to_hex(*structure.color));
+      labels.notes.add("duplicate-colors", to_hex(*structure.color));
   }
 }
 
@@ -253,7 +231,7 @@ Result<ImportedLabels> read_label_map(SourceImage image, const std::string& name
     result.structures.push_back(std::move(structure));
   }
   name_by_segments(image.segments, result);
-  if (sorted.empty()) result.notes.add(kNoLabel, name);
+  if (sorted.empty()) result.notes.add("no-labels", name);
   result.memberships = MembershipVolume(size, std::move(sets), std::move(found->voxels));
   return result;
 }
@@ -290,15 +268,15 @@ Result<void> name_labels(ImportedLabels& labels, NamesTable table, bool keeps_em
   if (!names.empty() && unused.size() == names.size() && !labels.structures.empty())
     return fail(ErrorCode::kFailed, "the first is {}, and the first structure is {}; {}", unused.front(),
                 shown(labels.structures.front()), remedy_for(labels, table));
-  for (std::string& name : unused) labels.notes.add(kUnusedNames, std::move(name));
+  for (std::string& name : unused) labels.notes.add("names-without-voxels", std::move(name));
   bool lacks_names = false;
   for (const auto& [label, structure] : unnamed) {
     if (structure->name != default_name(label)) continue;
-    labels.notes.add(kUnnamed, fmt::to_string(label));
+    labels.notes.add("unnamed-labels", fmt::to_string(label));
     lacks_names = true;
   }
   if (lacks_names && !table.zero_name.empty() && !is_background(table.zero_name))
-    labels.notes.add(kCountsFromZero,
+    labels.notes.add("counts-from-0",
                      fmt::format("row 0 is {}, but 0 is background", in_quotes(table.zero_name)));
   note_shared(labels);
   std::ranges::stable_sort(empty, {}, [](const SourceStructure& structure) { return *structure.label; });

@@ -16,10 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const NoteKind kAssumedFrame{"mesh-frame",
-                             "surface names no frame; the one that fits the labels better is taken",
-                             "surfaces name no frame; the one that fits the labels better is taken", true};
-
 Result<void> set_option(std::string_view option, MeshSource& source) {
   const std::size_t equals = option.find('=');
   const std::string key(trimmed(option.substr(0, equals)));
@@ -99,11 +95,11 @@ MeshFrame guess_frame(const TriangleMesh& mesh, const std::optional<MmBox>& labe
   const double ras = labelled ? fraction_within(mesh, MeshFrame::kRas, *labelled) : 0;
   const MeshFrame frame = ras > lps ? MeshFrame::kRas : MeshFrame::kLps;
   if (!labelled) {
-    notes.add(kAssumedFrame,
+    notes.add("mesh-frame",
               fmt::format("{} (LPS: there are no labels; frame=ras or frame=lps decides)", file.string()));
     return frame;
   }
-  notes.add(kAssumedFrame,
+  notes.add("mesh-frame",
             fmt::format("{} ({}: {:.0f} % of its points lie among the labels, {:.0f} % as {}; frame=ras or "
                         "frame=lps decides)",
                         file.string(), ras > lps ? "RAS" : "LPS", 100 * std::max(lps, ras),

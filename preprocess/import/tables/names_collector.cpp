@@ -10,19 +10,7 @@
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
-namespace {
-
-const NoteKind kFaultyRows{"faulty-rows", "row that cannot be read is dropped",
-                           "rows that cannot be read are dropped", true};
-const NoteKind kDuplicateLabels{"duplicate-labels", "row for a label that has one already is dropped",
-                                "rows for labels that have one already are dropped", true};
-const NoteKind kMissingNames{"missing-names", "label has no name and gets a numbered one",
-                             "labels have no name and get numbered ones", true};
-const NoteKind kBadColors{"bad-colors", "colour cannot be read and is left out",
-                          "colours cannot be read and are left out", true};
-const NoteKind kIgnoredColumns{"ignored-columns", "column is not used", "columns are not used", false, true};
-
-}  // namespace
+namespace {}  // namespace
 
 std::optional<std::int64_t> parse_label(std::string_view text) {
   auto label = parse_integer(text);
@@ -62,7 +50,7 @@ void NamesCollector::add(LabelName name) {
   if (name.name.empty()) {
     if (!name.label) return add_fault(name.line, "has neither a label nor a name");
     name.name = fmt::format("Label {}", *name.label);
-    notes_.add(kMissingNames, fmt::format("{} ({})", *name.label, place(name.line)));
+    notes_.add("missing-names", fmt::format("{} ({})", *name.label, place(name.line)));
   }
   if (const auto fit = check_structure_name(name.name); !fit)
     return add_fault(name.line, fit.error().message);
@@ -70,22 +58,22 @@ void NamesCollector::add(LabelName name) {
                                  : unlabelled_.insert(name_key(name.name)).second;
   if (!is_new) {
     const std::string again = name.label ? fmt::format("label {}", *name.label) : in_quotes(name.name);
-    return notes_.add(kDuplicateLabels, fmt::format("{} at {}", again, place(name.line)));
+    return notes_.add("duplicate-labels", fmt::format("{} at {}", again, place(name.line)));
   }
   table_.names.push_back(std::move(name));
 }
 
 void NamesCollector::add_fault(std::size_t line, const std::string& fault) {
   if (first_fault_.empty()) first_fault_ = fmt::format("{} {}: {}", input_.unit(), line, fault);
-  notes_.add(kFaultyRows, fmt::format("{}: {}", place(line), fault));
+  notes_.add("faulty-rows", fmt::format("{}: {}", place(line), fault));
 }
 
 void NamesCollector::add_bad_color(std::size_t line, std::string_view value) {
-  notes_.add(kBadColors, fmt::format("{}: {}", place(line), in_quotes(value)));
+  notes_.add("bad-colors", fmt::format("{}: {}", place(line), in_quotes(value)));
 }
 
 void NamesCollector::add_ignored_column(std::string_view name) {
-  notes_.add(kIgnoredColumns, in_quotes(name));
+  notes_.add("ignored-columns", in_quotes(name));
 }
 
 Result<NamesTable> NamesCollector::finish() {

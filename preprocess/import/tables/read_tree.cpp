@@ -15,8 +15,6 @@
 namespace splatlas {
 namespace {
 
-const NoteKind kTreeFormatNote{"tree-format", "", "", false, true};
-
 // Tree files: one path per line (see build --help).
 
 /// Parses "#rrggbb" or "#rrggbb-#rrggbb".
@@ -113,7 +111,7 @@ Result<std::vector<TreeLine>> read_tree(const std::filesystem::path& path, Notes
   NamesCollector faults(input, notes);
   auto lines = dialect->read(input, faults);
   if (lines && dialect->read != read_path_tree)
-    notes.add(kTreeFormatNote, fmt::format("{} is read as {}", path.filename().string(), dialect->title));
+    notes.add("tree-format", fmt::format("{} is read as {}", path.filename().string(), dialect->title));
   return lines;
 }
 

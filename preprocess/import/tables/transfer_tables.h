@@ -13,9 +13,6 @@ void transfer(auto& archive, SourceStructure& structure) {
   archive(structure.name, structure.label, structure.code, structure.color, structure.external,
           structure.terms);
 }
-void transfer(auto& archive, NoteKind& kind) {
-  archive(kind.id, kind.one, kind.many, kind.is_warning, kind.is_minor);
-}
 void transfer(auto& archive, Note& note) {
   archive(note.kind, note.items);
 }

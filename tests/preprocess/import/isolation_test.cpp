@@ -52,7 +52,7 @@ TEST(RunIsolated, HandsBackEveryMemberOfAnImage) {
   segment.structure.external = true;
   segment.structure.terms = {{"SCT", "1"}, {"de", "Niere"}};
   image.segments = {segment, {}};
-  image.notes.add({"kind", "one", "many", true}, "item");
+  image.notes.add("kind", "item");
   const Result<SourceImage> back =
       run_isolated<SourceImage>("file", [&]() -> Result<SourceImage> { return image; });
   ASSERT_TRUE(back) << back.error().message;
@@ -72,7 +72,7 @@ TEST(RunIsolated, HandsBackEveryMemberOfAnImage) {
   EXPECT_EQ(first.structure.terms, segment.structure.terms);
   EXPECT_FALSE(back->segments[1].structure.label);
   ASSERT_EQ(back->notes.all().size(), 1u);
-  EXPECT_EQ(back->notes.all()[0].kind, (NoteKind{"kind", "one", "many", true}));
+  EXPECT_EQ(back->notes.all()[0].kind, "kind");
   EXPECT_EQ(back->notes.all()[0].items, std::vector<std::string>{"item"});
 }
 

@@ -73,17 +73,12 @@ void narrow(VoxelBuffer& voxels) {
 }
 
 void note_kinds(const SlicedStack& stack, Notes& notes) {
-  static const NoteKind kMosaic{"mosaic",
-                                "image is a mosaic of slices, which stay side by side; use dcm2niix",
-                                "images are mosaics of slices, which stay side by side; use dcm2niix", true};
-  static const NoteKind kInverted{"inverted-image", "volume is meant to be shown inverted (MONOCHROME1)",
-                                  "volumes are meant to be shown inverted (MONOCHROME1)"};
   for (const auto& slice : stack.slices) {
     for (std::size_t n = 1; n < slice.size(); ++n) note_duplicate(*slice[n], notes);
   }
   const DicomFrame& first = *stack.slices.front().front();
-  if (first.is_mosaic) notes.add(kMosaic, position_text(first.position));
-  if (first.is_inverted) notes.add(kInverted, first.modality);
+  if (first.is_mosaic) notes.add("mosaic", position_text(first.position));
+  if (first.is_inverted) notes.add("inverted-image", first.modality);
 }
 
 /// Decodes the first frame of each slice and applies its slope and intercept. int16 or uint16 if they hold
@@ -203,14 +198,12 @@ Result<std::size_t> chosen_stack(const Stacks& stacks, const std::string& series
 /// Files that look like images but are none concern a series they belong to. Others are noted.
 Result<void> check_faults(const std::vector<DicomFault>& faults, const std::string& series_uid,
                           std::size_t stacks, Notes& notes) {
-  static const NoteKind kUnusable{"unusable-images",
-                                  "image of other series cannot be a volume and is ignored",
-                                  "images of other series cannot be volumes and are ignored"};
   for (const DicomFault& fault : faults) {
     if (stacks == 0 || fault.series_uid.empty() || fault.series_uid == series_uid)
       return fail(ErrorCode::kFailed, fault.message);
   }
-  for (std::size_t n = 0; n < faults.size(); ++n) notes.add(kUnusable, fmt::format("image {}", n + 1));
+  for (std::size_t n = 0; n < faults.size(); ++n)
+    notes.add("unusable-images", fmt::format("image {}", n + 1));
   return {};
 }
 

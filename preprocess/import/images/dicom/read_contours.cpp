@@ -23,11 +23,6 @@ struct Region {
   std::vector<Contour> contours;
 };
 
-const NoteKind kOpen{"open-contours", "structure has points or open contours, which enclose nothing",
-                     "structures have points or open contours, which enclose nothing", true};
-const NoteKind kCut{"contours-outside", "structure reaches beyond the volume, and is cut off there",
-                    "structures reach beyond the volume, and are cut off there", true};
-
 /// The points of a contour; none if they are no triples of numbers.
 Contour points_in(DcmItem& item) {
   DcmElement* element = nullptr;
@@ -57,7 +52,7 @@ Result<void> read_contours_of(DcmItem& item, const std::filesystem::path& path, 
       return bad_file(path, "has a contour of {} without points (ContourData); get it again", structure.name);
     }
   }
-  if (has_open) notes.add(kOpen, structure.name);
+  if (has_open) notes.add("open-contours", structure.name);
   return {};
 }
 
@@ -213,7 +208,7 @@ Result<SourceImage> read_contours(const std::filesystem::path& path, const std::
     const Region& region = regions[static_cast<std::size_t>(segment.value - 1)];
     bool is_cut = false;
     SPLATLAS_ASSIGN_OR_RETURN(const Planes planes, planes_of(region, image.grid, path, is_cut));
-    if (is_cut) image.notes.add(kCut, segment.structure.name);
+    if (is_cut) image.notes.add("contours-outside", segment.structure.name);
     segment.layer = layers.add(masks_of(planes, image.grid), static_cast<std::uint16_t>(segment.value));
   }
   layers.hand_over(image);

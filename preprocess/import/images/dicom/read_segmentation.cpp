@@ -112,8 +112,6 @@ class Layers {
   }
 
   Result<std::vector<SliceMask>> masks_of(const SourceSegment& segment) {
-    static const NoteKind kLow{"low-fractions", "segment has no fraction above one half, which a voxel needs",
-                               "segments have no fractions above one half, which voxels need", true};
     std::vector<SliceMask> masks;
     const std::int32_t max = list_.kind == SegmentationKind::kFractional ? list_.max_fraction : 1;
     std::int32_t largest = 0;
@@ -133,8 +131,8 @@ class Layers {
       }
     }
     if (largest > 0 && 2 * largest <= max) {
-      notes_.add(kLow, fmt::format("{} (largest {:.3g})", segment.structure.name,
-                                   static_cast<double>(largest) / max));
+      notes_.add("low-fractions", fmt::format("{} (largest {:.3g})", segment.structure.name,
+                                              static_cast<double>(largest) / max));
     }
     return masks;
   }
@@ -212,14 +210,12 @@ Result<SegmentList> read_segments(const std::filesystem::path& path) {
 }
 
 SourceSegment named_segment(std::string label, std::int64_t number, Notes& notes) {
-  static const NoteKind kUnnamed{"unnamed-segments", "segment has a label that cannot be a name",
-                                 "segments have labels that cannot be names"};
   SourceSegment segment;
   segment.value = number;
   segment.structure.name = std::move(label);
   if (!check_structure_name(segment.structure.name)) {
     segment.structure.name = fmt::format("segment {}", number);
-    notes.add(kUnnamed, segment.structure.name);
+    notes.add("unnamed-segments", segment.structure.name);
   }
   return segment;
 }

@@ -212,9 +212,6 @@ double distance(const Vec3& a, const Vec3& b) {
 /// Notes the voxels' slices that lie between those of the files.
 void note_uneven(const Positions& positions, const SlicedStack& sliced, const std::string& tilt,
                  Notes& notes) {
-  static const NoteKind kUneven{"uneven-slices",
-                                "stack of slices has uneven steps and is interpolated to even ones",
-                                "stacks of slices have uneven steps and are interpolated to even ones", true};
   constexpr std::size_t kMaxListed = 3;
   const Affine to_mm = index_to_lps_mm(sliced.grid);
   const auto [least, greatest] = std::ranges::minmax(steps_of(positions));
@@ -228,14 +225,12 @@ void note_uneven(const Positions& positions, const SlicedStack& sliced, const st
               position_text(to_mm.apply({0, 0, static_cast<double>(k)}));
   }
   if (between > kMaxListed) text += fmt::format(" and {} more", between - kMaxListed);
-  if (between > 0) notes.add(kUneven, text);
+  if (between > 0) notes.add("uneven-slices", text);
 }
 
 void set_single_slice(const DicomFrame& frame, Grid& grid, Notes& notes) {
-  static const NoteKind kUnknown{"slice-thickness", "slice has no thickness; 1 mm is assumed",
-                                 "slices have no thickness; 1 mm is assumed", true};
   const double known = frame.slice_spacing > 0 ? frame.slice_spacing : frame.thickness;
-  if (!(known > 0)) notes.add(kUnknown, position_text(frame.position));
+  if (!(known > 0)) notes.add("slice-thickness", position_text(frame.position));
   grid.spacing_mm[2] = known > 0 ? known : 1;
 }
 
@@ -316,8 +311,6 @@ std::string description(const FrameStack& stack) {
 }
 
 Result<SlicedStack> slice_stack(const FrameStack& stack, SliceGaps gaps, const std::filesystem::path& path) {
-  static const NoteKind kTilted{"tilted-stack", "stack of slices is tilted; its grid is sheared",
-                                "stacks of slices are tilted; their grids are sheared"};
   const Positions positions = slice_positions(stack.frames);
   const DicomFrame& first = *positions.front().frames.front();
   SlicedStack sliced;
@@ -353,7 +346,7 @@ Result<SlicedStack> slice_stack(const FrameStack& stack, SliceGaps gaps, const s
   if (!is_even || (gaps == SliceGaps::kMissing && grid.size[2] > std::ssize(positions))) {
     note_uneven(positions, sliced, tilt, sliced.notes);
   } else if (!tilt.empty()) {
-    sliced.notes.add(kTilted, tilt);
+    sliced.notes.add("tilted-stack", tilt);
   }
   if (gaps == SliceGaps::kEmpty) spread_slices(is_even, sliced);
   return sliced;
@@ -370,9 +363,7 @@ std::string position_text(const Vec3& position_lps_mm) {
 }
 
 void note_duplicate(const DicomFrame& frame, Notes& notes) {
-  static const NoteKind kDuplicates{"duplicate-slices", "slice repeats another's position and is ignored",
-                                    "slices repeat others' positions and are ignored", true};
-  notes.add(kDuplicates, position_text(frame.position));
+  notes.add("duplicate-slices", position_text(frame.position));
 }
 
 }  // namespace splatlas

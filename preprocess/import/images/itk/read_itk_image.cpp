@@ -25,12 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const NoteKind kNoSpace{"no-space", "NRRD file names no anatomical space and is read as LPS",
-                        "NRRD files name no anatomical space and are read as LPS", true};
-
-const NoteKind kUnknownUnit{"unknown-unit", "file has an unknown unit of length, which is read as mm",
-                            "files have unknown units of length, which are read as mm", true};
-
 StoredType stored_type(itk::IOComponentEnum component) {
   switch (component) {
     case itk::IOComponentEnum::LONG:
@@ -93,7 +87,7 @@ Result<SourceImage> read_with(itk::ImageIOBase& io, const fs::path& path, const 
   for (Vec3* lengths : {&image.grid.spacing_mm, &image.grid.origin_lps_mm}) {
     for (double& length : *lengths) length *= pixels.mm_per_unit.value_or(1);
   }
-  if (!pixels.mm_per_unit) image.notes.add(kUnknownUnit, name);
+  if (!pixels.mm_per_unit) image.notes.add("unknown-unit", name);
   SPLATLAS_RETURN_IF_ERROR(validate(image.grid, name));
   const StoredType type = stored_type(io.GetComponentType());
   if (type == StoredType())
@@ -208,7 +202,7 @@ Result<SourceImage> read_nrrd(const fs::path& path, const ImageOptions& /*option
       image.grid.origin_lps_mm[row] *= -1;
       for (std::size_t a = 0; a < 3; ++a) image.grid.direction_lps[3 * row + a] *= -1;
     }
-    if (pixels.has_no_space) image.notes.add(kNoSpace, path.string());
+    if (pixels.has_no_space) image.notes.add("no-space", path.string());
     image.segments = segments_of_nrrd(pixels.pairs);
     if (image.segments.empty()) {
       SPLATLAS_ASSIGN_OR_RETURN(image.segments, segments_of_mitk(pixels.pairs, path));

@@ -15,17 +15,6 @@ namespace {
 
 using Affine12 = std::array<double, 12>;
 
-const NoteKind kNoOrientation{
-    "no-orientation", "file has no orientation and is read with x to the left, y to the front, z upwards",
-    "files have no orientation and are read with x to the left, y to the front, z upwards", true};
-const NoteKind kTwoForms{"sform-and-qform-differ",
-                         "NIfTI file has two orientations that differ; its sform is used",
-                         "NIfTI files have two orientations that differ; their sforms are used", true};
-const NoteKind kBadSform{"singular-sform", "NIfTI file has a singular sform; its qform is used",
-                         "NIfTI files have singular sforms; their qforms are used", true};
-const NoteKind kUnits{"units", "file has lengths in another unit than mm; they are converted",
-                      "files have lengths in other units than mm; they are converted", false};
-
 /// The magnitude of a spacing; negative ones occur.
 double spacing(const NiftiHeader& header, std::size_t axis) {
   return axis < static_cast<std::size_t>(header.dim[0]) ? std::abs(header.pixdim[axis + 1]) : 1.0;
@@ -153,17 +142,18 @@ Result<Affine12> choose_affine(const NiftiHeader& header, const std::filesystem:
     const double smallest = std::min({spacing(header, 0), spacing(header, 1), spacing(header, 2)});
     constexpr double kNegligible = 0.1;  // voxels
     if (apart > kNegligible * smallest) {
-      notes.add(kTwoForms, fmt::format("{} (the qform places voxels up to {:.3g} mm elsewhere)",
-                                       path.string(), apart * header.mm_per_unit()));
+      notes.add("sform-and-qform-differ",
+                fmt::format("{} (the qform places voxels up to {:.3g} mm elsewhere)", path.string(),
+                            apart * header.mm_per_unit()));
     }
     return header.sform;
   }
   if (has_sform && !has_qform)
     return bad_file(
         path, "has a singular orientation (its sform has no volume), and no qform; give it a valid sform");
-  if (has_sform) notes.add(kBadSform, path.string());
+  if (has_sform) notes.add("singular-sform", path.string());
   if (has_qform) return qform;
-  notes.add(kNoOrientation, path.string());
+  notes.add("no-orientation", path.string());
   return affine_without_orientation(header);
 }
 
@@ -275,7 +265,7 @@ Result<Grid> nifti_grid(const NiftiHeader& header, const std::filesystem::path& 
   SPLATLAS_RETURN_IF_ERROR(check_numbers(header, path));
   SPLATLAS_ASSIGN_OR_RETURN(Affine12 affine, choose_affine(header, path, notes));
   const double mm = header.mm_per_unit();
-  if (mm < 1 || mm > 1) notes.add(kUnits, path.string());
+  if (mm < 1 || mm > 1) notes.add("units", path.string());
   for (double& number : affine) number *= mm;
   Index3 size;
   for (std::size_t a = 0; a < 3; ++a)

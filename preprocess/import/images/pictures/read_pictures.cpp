@@ -176,11 +176,6 @@ Result<SourceImage> read_tiff(const fs::path& path) {
   return image;
 }
 
-const NoteKind kAssumedPictureFrame{
-    "no-orientation-pictures",
-    "stack of pictures has no orientation and is read with x to the left, y to the back, z upwards",
-    "stacks of pictures have no orientation and are read with x to the left, y to the back, z upwards", true};
-
 /// Orders names by the numbers in them.
 bool comes_before(const std::string& a, const std::string& b) {
   const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
@@ -290,7 +285,7 @@ Result<SourceImage> read_pictures(const fs::path& path, const ImageOptions& opti
       image.grid.direction_lps = frame->direction_lps;
     } else {
       image.grid.spacing_mm = *options.spacing_mm;
-      image.notes.add(kAssumedPictureFrame, path.string());
+      image.notes.add("no-orientation-pictures", path.string());
     }
     SPLATLAS_RETURN_IF_ERROR(validate(image.grid, path.string()));
     return image;

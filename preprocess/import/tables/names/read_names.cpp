@@ -13,8 +13,6 @@
 namespace splatlas {
 namespace {
 
-const NoteKind kNamesFormat{"names-format", "", "", false, true};
-
 struct Dialect {
   NamesFormatInfo info;
   bool (*recognise)(std::string_view head);
@@ -87,7 +85,7 @@ Result<NamesTable> read_names(const std::filesystem::path& path, NamesFormat for
   Result<NamesTable> table = collector.finish();
   if (!table) return table;
   table->dialect = dialect->info.format;
-  notes.add(kNamesFormat, fmt::format("{} is read as {}", path.filename().string(), dialect->info.title));
+  notes.add("names-format", fmt::format("{} is read as {}", path.filename().string(), dialect->info.title));
   return table;
 }
 

@@ -151,7 +151,7 @@ TEST_F(MeshFrames, WithoutAFrameTheLabelsDecide) {
     expect_corners(place(name, bytes, "", right), -1);
     EXPECT_THAT(messages_of(notes_),
                 ElementsAre(HasSubstr("(RAS: 100 % of its points lie among the labels, 0 % as LPS;")));
-    EXPECT_TRUE(notes_.all()[0].kind.is_warning);
+    EXPECT_TRUE(notes_.all()[0].level() == NoteLevel::kWarning);
     expect_corners(place(name, bytes, "", left), 1);
     EXPECT_THAT(messages_of(notes_), ElementsAre(HasSubstr("(LPS: 100 %")));
     expect_corners(place(name, bytes), 1);

@@ -90,7 +90,7 @@ class RealTables : public testing::Test {
   }
   [[nodiscard]] std::size_t count(const std::string& kind) const {
     for (const Note& note : notes_.all()) {
-      if (note.kind.id == kind) return note.items.size();
+      if (note.kind == kind) return note.items.size();
     }
     return 0;
   }

@@ -85,7 +85,7 @@ TEST_F(ImportDicom, MissingSlicesAreInterpolated) {
   const std::string note =
       "1 stack of slices has uneven steps and is interpolated to even ones: steps of 2 to ";
   EXPECT_THAT(notes_of(image), ElementsAre(note + "4 mm become 2 mm, new slices at (-1, 2, 14)"));
-  EXPECT_TRUE(image.notes.all()[0].kind.is_warning);
+  EXPECT_TRUE(image.notes.all()[0].level() == NoteLevel::kWarning);
   std::filesystem::remove(file("slice6"));
   image = imported();
   expect_ramps(image, 5);

@@ -19,7 +19,7 @@ class ReadNames : public NamesTest {};
 TEST_F(ReadNames, TellsTheDialect) {
   ASSERT_TRUE(read("1 A\n"));
   EXPECT_THAT(items("names-format"), ElementsAre("names.txt is read as list of labels and names"));
-  EXPECT_FALSE(notes_.all().front().kind.is_warning);
+  EXPECT_FALSE(notes_.all().front().level() == NoteLevel::kWarning);
 }
 
 TEST_F(ReadNames, OverridesTheDetection) {
@@ -37,7 +37,7 @@ TEST_F(ReadNames, OverridesTheDetection) {
 TEST_F(ReadNames, KeepsTheFirstOfTwoRowsOfALabel) {
   EXPECT_THAT(summaries(names("5 A\n6 B\n5 C\n", NamesFormat::kMricron)), ElementsAre("5 A", "6 B"));
   EXPECT_THAT(items("duplicate-labels"), ElementsAre("label 5 at names.txt line 3"));
-  EXPECT_TRUE(notes_.all().front().kind.is_warning);
+  EXPECT_TRUE(notes_.all().front().level() == NoteLevel::kWarning);
 }
 
 TEST_F(ReadNames, NumbersLabelsWithoutAName) {
