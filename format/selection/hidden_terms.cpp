@@ -1,6 +1,6 @@
 // Terms that later terms hide.
 #include <algorithm>
-#include <array>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
@@ -18,105 +18,29 @@ namespace {
 
 constexpr std::uint32_t kNobody = std::numeric_limits<std::uint32_t>::max();
 
-/// The latest term to set each property of a structure, also to its default.
-struct Owners {
-  enum : std::size_t {
-    kVolumePart,
-    kSurfacePart,
-    kGhost,
-    kOpacity,
-    kColor,
-    kProfile,
-    kLow,
-    kHigh,
-    kCurve,
-    kCount
-  };
-  std::array<std::uint32_t, kCount> of;
-
-  Owners() { of.fill(kNobody); }
-
-  /// Follows the term `number`, which has changed `before` to `after`. Calls lasts(term) for terms on which
-  /// the result depends, although they may own nothing in the end.
-  template <typename Lasts>
-  void follow(const SelectionTerm& term, std::uint32_t number, const StructureDraw& before,
-              const StructureDraw& after, const Lasts& lasts) {
-    if (term.remove) return follow_removal(before, after, lasts);
-    const auto take = [&](std::size_t property, bool set) {
-      if (set) of[property] = number;
-    };
-    take(kVolumePart, term.mode != DrawMode::kSurface);
-    take(kSurfacePart, term.mode == DrawMode::kSurface || term.mode == DrawMode::kBoth);
-    // Begin and end of a ghost reset the appearance, depending on the term before
-    const bool resets = before.ghost != after.ghost;
-    if (resets) lasts(of[kGhost]);
-    take(kGhost, before.ghost || after.ghost);
-    take(kOpacity, resets || term.opacity);
-    take(kColor, resets || term.ghost || term.color);
-    // A new end of a ramp resets the other end, depending on both terms
-    const auto is_reset = [&](const std::optional<double> VolumeStyle::*end) {
-      return !term.curve && before.volume.*end && !(after.volume.*end);
-    };
-    if (is_reset(&VolumeStyle::low)) lasts(of[kLow]);
-    if (is_reset(&VolumeStyle::high)) lasts(of[kHigh]);
-    if (is_reset(&VolumeStyle::low) || is_reset(&VolumeStyle::high)) lasts(number);
-    take(kProfile, term.curve || term.profile);
-    take(kLow, term.curve || term.low);
-    take(kHigh, term.curve || term.high);
-    take(kCurve, term.curve || before.volume.curve != after.volume.curve);
-  }
-
- private:
-  /// A part that remains keeps the options of the structure.
-  template <typename Lasts>
-  void follow_removal(const StructureDraw& before, const StructureDraw& after, const Lasts& lasts) {
-    if (after.mode == before.mode) return;
-    if (after.mode == DrawMode::kOff) {
-      *this = Owners();
-      return;
+/// For each term: a structure that it adds in vain, as it is selected in the same way without the term.
+/// Nothing for many terms, each of which takes a pass.
+Result<std::vector<std::optional<StructureIndex>>> find_vain(std::span<const SelectionTerm> terms,
+                                                             const StructureGraph& graph,
+                                                             const Selection& whole) {
+  std::vector<std::optional<StructureIndex>> vain(terms.size());
+  constexpr std::size_t kMaxTerms = 64;
+  for (std::size_t n = 0; n < terms.size() && terms.size() <= kMaxTerms; ++n) {
+    if (terms[n].remove || terms[n].target == TermTarget::kRest) continue;
+    // A removal in front removes nothing, and keeps the structures of the term out of the rest
+    std::vector<SelectionTerm> others{terms[n]};
+    others[0].remove = true;
+    std::ranges::copy(terms.first(n), std::back_inserter(others));
+    std::ranges::copy(terms.subspan(n + 1), std::back_inserter(others));
+    SPLATLAS_ASSIGN_OR_RETURN(Selection without, resolve_selection(others, graph));
+    for (StructureIndex s = 0; s < graph.size(); ++s) without.structures[s].term = whole.structures[s].term;
+    if (without != whole) continue;
+    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StructureIndex> found, find_target(graph, terms[n]));
+    for (const StructureIndex s : graph.descendants(found)) {
+      if (whole.structures[s].mode != DrawMode::kOff && !vain[n]) vain[n] = s;
     }
-    const bool is_volume = after.mode == DrawMode::kVolume;
-    lasts(of[is_volume ? kVolumePart : kSurfacePart]);
-    of[is_volume ? kSurfacePart : kVolumePart] = kNobody;
   }
-};
-
-/// A selection, and the terms without effect on it.
-struct ReviewedSelection {
-  Selection selection;
-  /// For each term, by number: a structure that it adds in vain, as it is selected anyway.
-  std::vector<std::optional<StructureIndex>> in_vain;
-};
-
-Result<ReviewedSelection> review(std::span<const SelectionTerm> terms, const StructureGraph& graph) {
-  ReviewedSelection of;
-  of.selection.structures.resize(graph.size());
-  std::vector<Owners> owners(graph.size());
-  std::vector<bool> lasts(terms.size());
-  const auto mark = [&](std::uint32_t term) {
-    if (term != kNobody) lasts[term] = true;
-  };
-  SPLATLAS_RETURN_IF_ERROR(for_each_term(
-      terms, graph,
-      [&](const SelectionTerm& term, std::uint32_t number, std::span<const StructureIndex> structures) {
-        for (const StructureIndex s : structures) {
-          const StructureDraw before = of.selection.structures[s];
-          apply_term(term, number, {&s, 1}, graph, of.selection);
-          owners[s].follow(term, number, before, of.selection.structures[s], mark);
-        }
-      }));
-  for (const Owners& owner : owners) std::ranges::for_each(owner.of, mark);
-
-  of.in_vain.resize(terms.size());
-  SPLATLAS_RETURN_IF_ERROR(for_each_term(
-      terms, graph,
-      [&](const SelectionTerm& term, std::uint32_t number, std::span<const StructureIndex> structures) {
-        if (term.remove || lasts[number]) return;
-        const auto on = std::ranges::find_if(
-            structures, [&](StructureIndex s) { return of.selection.structures[s].mode != DrawMode::kOff; });
-        if (on != structures.end()) of.in_vain[number] = *on;
-      }));
-  return of;
+  return vain;
 }
 
 /// Structures whose volume is drawn in each class; kNoStructure for none.
@@ -157,8 +81,9 @@ std::vector<std::uint32_t> find_covers(const Selection& selection, std::size_t t
 
 Result<std::vector<HiddenTerm>> find_hidden_terms(std::span<const SelectionTerm> terms,
                                                   const StructureGraph& graph, const DecisionTree& tree) {
-  SPLATLAS_ASSIGN_OR_RETURN(const ReviewedSelection of, review(terms, graph));
-  const std::vector<std::uint32_t> covers = find_covers(of.selection, terms.size(), tree);
+  SPLATLAS_ASSIGN_OR_RETURN(const Selection selection, resolve_selection(terms, graph));
+  SPLATLAS_ASSIGN_OR_RETURN(const auto vain, find_vain(terms, graph, selection));
+  const std::vector<std::uint32_t> covers = find_covers(selection, terms.size(), tree);
   const std::vector<std::size_t> order = application_order(terms);
   std::vector<HiddenTerm> hidden;
   for (std::uint32_t number = 0; number < order.size(); ++number) {
@@ -169,8 +94,8 @@ Result<std::vector<HiddenTerm>> find_hidden_terms(std::span<const SelectionTerm>
           {term, order[by],
            fmt::format("selection, column {}: {} {}", terms[term].column + 1, name(term), what)});
     };
-    if (const auto s = of.in_vain[number]) {
-      const std::uint32_t by = of.selection.structures[*s].term;
+    if (const auto s = vain[term]) {
+      const std::uint32_t by = selection.structures[*s].term;
       if (by == number) continue;  // a removal took what it added
       report(by,
              fmt::format("has no effect: the later {} selects the same in the same way; write {} after it, "

@@ -209,9 +209,7 @@ std::string remedy_for(const SelectionTerm& term, std::span<const SelectionTerm>
   return {};
 }
 
-Result<void> for_each_term(
-    std::span<const SelectionTerm> terms, const StructureGraph& graph,
-    const std::function<void(const SelectionTerm&, std::uint32_t, std::span<const StructureIndex>)>& take) {
+Result<Selection> resolve_selection(std::span<const SelectionTerm> terms, const StructureGraph& graph) {
   const TargetFinder targets(graph, terms.size());
   const auto structures_of = [&](const SelectionTerm& term) -> Result<std::vector<StructureIndex>> {
     check_task();
@@ -235,26 +233,14 @@ Result<void> for_each_term(
     }
   }
 
-  for (std::uint32_t number = 0; number < order.size(); ++number) {
-    const SelectionTerm& term = terms[order[number]];
-    if (term.target == TermTarget::kRest) {
-      take(term, number, rest);
-      continue;
-    }
-    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StructureIndex> structures, structures_of(term));
-    take(term, number, structures);
-  }
-  return {};
-}
-
-Result<Selection> resolve_selection(std::span<const SelectionTerm> terms, const StructureGraph& graph) {
   Selection selection;
   selection.structures.resize(graph.size());
-  SPLATLAS_RETURN_IF_ERROR(for_each_term(
-      terms, graph,
-      [&](const SelectionTerm& term, std::uint32_t number, std::span<const StructureIndex> structures) {
-        apply_term(term, number, structures, graph, selection);
-      }));
+  for (std::uint32_t number = 0; number < order.size(); ++number) {
+    const SelectionTerm& term = terms[order[number]];
+    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StructureIndex> structures,
+                              term.target == TermTarget::kRest ? rest : structures_of(term));
+    apply_term(term, number, structures, graph, selection);
+  }
   return selection;
 }
 

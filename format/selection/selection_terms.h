@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -26,12 +25,6 @@ void apply_term(const SelectionTerm& term, std::uint32_t number, std::span<const
 /// a graph without structures. kNotFound if there are none.
 [[nodiscard]] Result<std::vector<StructureIndex>> find_target(const StructureGraph& graph,
                                                               const SelectionTerm& term);
-
-/// Calls take(term, its index in application_order(), its structures with descendants) for the terms in the
-/// order of application. kNotFound, with the column of the term, if there are no such structures.
-[[nodiscard]] Result<void> for_each_term(
-    std::span<const SelectionTerm> terms, const StructureGraph& graph,
-    const std::function<void(const SelectionTerm&, std::uint32_t, std::span<const StructureIndex>)>& take);
 
 /// True if unquoted names may contain the character.
 [[nodiscard]] bool is_name_character(char c);

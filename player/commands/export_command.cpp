@@ -27,23 +27,8 @@ namespace splatlas {
 namespace {
 
 constexpr const char* kExportFooter =
-    "The page is one file. Browsers open it from a disk or a server, without a network. It needs WebAssembly "
-    "with\n"
-    "SIMD and exceptions; elsewhere it shows its opening picture. docs/web.md explains its use.\n"
-    "\n"
-    "--site writes a folder for any static web server: the page fetches only what it shows, by HTTP "
-    "range\n"
-    "requests. Several atlases get a catalogue, index.html.\n"
-    "\n"
-    "Without --select and --scene the page opens with the first scene of the atlas, or with everything.\n"
-    "\n"
-    "  splatlas-player export brain.atlas --html brain.html\n"
-    "  splatlas-player export brain.atlas --html lesson.html --scene 'Basal ganglia'\n"
-    "  splatlas-player export brain.atlas --html left.html --select '\"Left hemisphere\":surface' --view "
-    "left\n"
-    "  splatlas-player export *.atlas --site site/\n"
-    "\n"
-    "Exit status: 0 done; 1 could not be done; 2 wrong usage; 3 not a valid atlas; 4 name not found.";
+#include "player/commands/export_help.txt"
+    ;
 
 /// Of the opening picture. The page fits it into its own picture, where the same camera shows the same.
 constexpr PictureSize kOpeningSize{800, 800};

@@ -18,32 +18,8 @@ namespace splatlas {
 namespace {
 
 constexpr const char* kRenderFooter =
-    "Selection text: terms joined by '+', removals by '-':\n"
-    "  NAME[:surface|:volume|:both][(opacity=0.4,color=#ff8800)]\n"
-    "NAME is a structure's id, name or path (Brain/Cerebellum/Left), '*' stands for any characters.\n"
-    "Quote names that contain spaces, operators or colons. A group selects its descendants.\n"
-    "#17 in place of NAME is the structure with label 17; rest is everything that no other term names.\n"
-    "The default mode is volume; 'both' is a volume with its surface.\n"
-    "Options; the last four are for volumes only:\n"
-    "  ghost                  of surfaces: one thin grey hull of all in the term, denser at its rim\n"
-    "  opacity=0.4            of a surface, or of one voxel of a volume: above 0, at most 1\n"
-    "  color=#ff8800\n"
-    "  low=40, high=160       grey values between which a volume rises to its opacity\n"
-    "  profile=soft           a ramp from low to high; thin: opacity 0.01 by default; hard: a step\n"
-    "  curve=40:0/160:0.3     a table of grey:opacity or grey:opacity:shade, instead of a ramp\n"
-    "\n"
-    "  --select '\"Left hemisphere\":volume + Cerebellum:surface(opacity=0.5) - Vermis*'\n"
-    "\n"
-    "Annotations are sized for print: at --dpi 300, a picture of 3508x2480 pixels is an A4 page with texts "
-    "of\n"
-    "7 to 13 points. --fit leaves room for them:\n"
-    "  --annotate labels,legend,scalebar --size 3508x2480 --dpi 300 --background '#ffffff'\n"
-    "\n"
-    "A film of a turn, by ffmpeg:\n"
-    "  splatlas-player render brain.atlas -o turn --turn 360 --frames 150 --size 1280x720\n"
-    "  ffmpeg -framerate 25 -i turn/%04d.png -pix_fmt yuv420p turn.mp4\n"
-    "\n"
-    "Exit status: 0 done; 1 could not be done; 2 wrong usage; 3 not a valid atlas; 4 name not found.";
+#include "player/commands/render_help.txt"
+    ;
 
 using Background = std::array<std::optional<Rgb>, 2>;
 

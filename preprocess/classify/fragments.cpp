@@ -2,21 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <map>
-#include <tuple>
+#include <utility>
+#include <vector>
 
 namespace splatlas {
 namespace {
 
-/// Connected voxels of one structure in a scanline.
-struct StructureRun {
-  StructureIndex structure = kNoStructure;
-  std::int64_t first = 0, last = 0;  ///< i, inclusive
-  std::size_t component = 0;         ///< a node of ComponentForest
-};
-using RunRow = std::vector<StructureRun>;  ///< by structure, then first
-
-/// Disjoint sets of runs (Tarjan 1975), with voxel counts.
+/// Disjoint sets of connected voxels (Tarjan 1975), with their counts.
 class ComponentForest {
  public:
   struct Node {
@@ -38,130 +32,70 @@ class ComponentForest {
   }
   /// Roots are the first nodes of their components.
   [[nodiscard]] std::size_t join(std::size_t a, std::size_t b) {
-    a = root_of(a);
-    b = root_of(b);
-    if (a == b) return a;
+    if (a == b || (a = root_of(a)) == (b = root_of(b))) return a;
     const auto [low, high] = std::minmax(a, b);
     nodes_[high].parent = low;
     nodes_[low].voxels += nodes_[high].voxels;
     return low;
   }
-  void count(std::size_t node, std::uint64_t voxels) { nodes_[root_of(node)].voxels += voxels; }
+  void count(std::size_t node) { ++nodes_[root_of(node)].voxels; }
   [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
 
  private:
   std::vector<Node> nodes_;
 };
 
-/// The runs of a scanline with the sets `voxels`.
-class RowScanner {
- public:
-  RowScanner(const MembershipVolume& memberships, std::span<const std::uint64_t> below) {
-    for (const auto& set : memberships.sets()) {
-      auto& kept = sets_.emplace_back();
-      std::ranges::copy_if(set, std::back_inserter(kept), [&](StructureIndex structure) {
-        return structure < below.size() && below[structure] > 0;
-      });
-    }
+/// Numbers the components of all structures with a limit `below`, voxel by voxel. Calls
+/// new_component(structure), which returns a number, join(a, b) of numbers that touch, which returns one of
+/// them, and visit(structure, number, voxel). Two scans of one volume number the components alike.
+template <typename NewComponent, typename Join, typename Visit>
+void scan_components(const MembershipVolume& memberships, std::span<const std::uint64_t> below,
+                     const NewComponent& new_component, const Join& join, const Visit& visit) {
+  std::vector<std::vector<StructureIndex>> sets;  // of the structures that are examined
+  for (const auto& set : memberships.sets()) {
+    std::ranges::copy_if(set, std::back_inserter(sets.emplace_back()), [&](StructureIndex structure) {
+      return structure < below.size() && below[structure] > 0;
+    });
   }
-
-  void scan(std::span<const MembershipVolume::SetId> voxels, RunRow& row) {
-    row.clear();
-    open_.clear();
-    MembershipVolume::SetId set = 0;
-    for (std::size_t i = 0; i < voxels.size(); ++i) {
-      if (voxels[i] == set) continue;
-      set = voxels[i];
-      change(sets_[set], static_cast<std::int64_t>(i), row);
-    }
-    change({}, static_cast<std::int64_t>(voxels.size()), row);
-    std::ranges::sort(row, {}, [](const StructureRun& run) { return std::pair(run.structure, run.first); });
-  }
-
- private:
-  /// Ends open runs of structures outside `set`, and begins those of its new ones.
-  void change(std::span<const StructureIndex> set, std::int64_t i, RunRow& row) {
-    next_.clear();
-    auto open = open_.begin();
-    const auto end_before = [&](StructureIndex structure) {
-      for (; open != open_.end() && open->structure < structure; ++open) {
-        open->last = i - 1;
-        row.push_back(*open);
-      }
-    };
-    for (const StructureIndex structure : set) {
-      end_before(structure);
-      const bool continues = open != open_.end() && open->structure == structure;
-      next_.push_back(continues ? *open++ : StructureRun{structure, i, i, 0});
-    }
-    end_before(kNoStructure);
-    std::swap(open_, next_);
-  }
-
-  std::vector<std::vector<StructureIndex>> sets_;  // [set]: its structures that are examined
-  RunRow open_, next_;                             // by structure
-};
-
-/// Scans a volume for runs with their components. Two scans of one volume number the components alike.
-class ComponentScan {
- public:
-  ComponentScan(const MembershipVolume& memberships, std::span<const std::uint64_t> below)
-      : memberships_(memberships), scanner_(memberships, below) {}
-
-  /// Calls new_component(structure), which returns a number, join(a, b), which returns one of two numbers,
-  /// and visit(run, offset of its first voxel) after them.
-  template <typename NewComponent, typename Join, typename Visit>
-  void scan(const NewComponent& new_component, const Join& join, const Visit& visit) {
-    const auto& [ni, nj, nk] = memberships_.size();
-    const auto width = static_cast<std::size_t>(ni);
-    std::vector<RunRow> before(static_cast<std::size_t>(nj)), slice(static_cast<std::size_t>(nj));
-    constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-    std::size_t at = 0;
-    for (std::int64_t k = 0; k < nk; ++k) {
-      for (std::size_t j = 0; j < slice.size(); ++j, at += width) {
-        RunRow& row = slice[j];
-        scanner_.scan(memberships_.voxels().subspan(at, width), row);
-        for (StructureRun& run : row) run.component = kNone;
-        const auto touch = [&](StructureRun& run, const StructureRun& other) {
-          run.component = run.component == kNone ? other.component : join(run.component, other.component);
+  constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  const auto voxels = memberships.voxels();
+  const auto row = static_cast<std::size_t>(memberships.size()[0]);
+  const std::size_t plane = row * static_cast<std::size_t>(memberships.size()[1]);
+  // By voxel of a slice and of the one before: where its numbers begin, one a structure
+  std::vector<std::size_t> firsts(plane), numbers, firsts_before(plane), numbers_before;
+  for (std::size_t start = 0; start < voxels.size(); start += plane) {
+    firsts.swap(firsts_before);
+    numbers.swap(numbers_before);
+    numbers.clear();
+    std::size_t column = 0;
+    for (std::size_t v = 0; v < plane; ++v, column = column + 1 == row ? 0 : column + 1) {
+      firsts[v] = numbers.size();
+      for (const StructureIndex structure : sets[voxels[start + v]]) {
+        std::size_t number = kNone;
+        const auto touch = [&](MembershipVolume::SetId set, const std::size_t* other) {
+          const auto same = std::ranges::find(sets[set], structure);
+          if (same == sets[set].end()) return;
+          other += same - sets[set].begin();
+          number = number == kNone ? *other : join(number, *other);
         };
-        if (j > 0) for_each_contact(row, slice[j - 1], touch);
-        for_each_contact(row, before[j], touch);
-        for (StructureRun& run : row) {
-          if (run.component == kNone) run.component = new_component(run.structure);
-          visit(run, at + static_cast<std::size_t>(run.first));
-        }
-      }
-      std::swap(before, slice);
-    }
-  }
-
- private:
-  /// Calls visit(a, b) for runs of one structure in two rows that overlap.
-  template <typename Visit>
-  static void for_each_contact(RunRow& row, const RunRow& other, const Visit& visit) {
-    auto b = other.begin();
-    for (StructureRun& a : row) {
-      while (b != other.end() && std::tie(b->structure, b->last) < std::tie(a.structure, a.first)) ++b;
-      for (auto c = b; c != other.end() && c->structure == a.structure && c->first <= a.last; ++c) {
-        visit(a, *c);
+        if (column > 0) touch(voxels[start + v - 1], numbers.data() + firsts[v - 1]);
+        if (v >= row) touch(voxels[start + v - row], numbers.data() + firsts[v - row]);
+        if (start > 0) touch(voxels[start + v - plane], numbers_before.data() + firsts_before[v]);
+        if (number == kNone) number = new_component(structure);
+        numbers.push_back(number);
+        visit(structure, number, start + v);
       }
     }
   }
-
-  const MembershipVolume& memberships_;
-  RowScanner scanner_;
-};
+}
 
 /// Components of a volume.
 ComponentForest components_of(const MembershipVolume& memberships, std::span<const std::uint64_t> below) {
   ComponentForest forest;
-  ComponentScan(memberships, below)
-      .scan([&](StructureIndex structure) { return forest.add(structure); },
-            [&](std::size_t a, std::size_t b) { return forest.join(a, b); },
-            [&](const StructureRun& run, std::size_t) {
-              forest.count(run.component, static_cast<std::uint64_t>(run.last - run.first + 1));
-            });
+  scan_components(
+      memberships, below, [&](StructureIndex structure) { return forest.add(structure); },
+      [&](std::size_t a, std::size_t b) { return forest.join(a, b); },
+      [&](StructureIndex, std::size_t number, std::size_t) { forest.count(number); });
   return forest;
 }
 
@@ -246,17 +180,19 @@ std::vector<StructureFragments> drop_fragments(MembershipVolume& memberships,
   const std::vector<bool> fragments = fragments_of(forest, below);
   std::vector<StructureFragments> counts = count_fragments(forest, fragments, below.size());
   if (counts.empty()) return counts;
-  // The scan has read a row before its runs are removed.
   std::size_t next = 0;
+  std::vector<std::pair<StructureIndex, std::size_t>> dropped;  // the scan reads sets as they were
+  scan_components(
+      memberships, below, [&](StructureIndex) { return next++; },
+      [](std::size_t a, std::size_t) { return a; },
+      [&](StructureIndex structure, std::size_t number, std::size_t voxel) {
+        if (fragments[forest.root_of(number)]) dropped.emplace_back(structure, voxel);
+      });
   std::vector<bool> emptied(memberships.voxels().size());
-  ComponentScan(memberships, below)
-      .scan([&](StructureIndex) { return next++; }, [](std::size_t a, std::size_t) { return a; },
-            [&](const StructureRun& run, std::size_t first) {
-              if (!fragments[forest.root_of(run.component)]) return;
-              const auto count = static_cast<std::size_t>(run.last - run.first + 1);
-              memberships.remove(run.structure, first, count);
-              for (std::size_t v = first; v < first + count; ++v) emptied[v] = memberships.voxels()[v] == 0;
-            });
+  for (const auto& [structure, voxel] : dropped) {
+    memberships.remove(structure, voxel, 1);
+    emptied[voxel] = memberships.voxels()[voxel] == 0;
+  }
   fill_holes(emptied, memberships);
   return counts;
 }

@@ -1,14 +1,19 @@
 #include "preprocess/export/write_image.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <initializer_list>
+#include <memory>
 #include <new>
 #include <optional>
 #include <span>
 
+#include <zlib.h>
+
 #include "format/result_macros.h"
+#include "format/tasks/task_control.h"
 #include "format/text/ascii_text.h"
-#include "preprocess/export/deflate.h"
 #include "preprocess/export/image_headers.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
 #include "preprocess/import/import_error.h"
@@ -44,11 +49,42 @@ Bytes bytes_of_text(const std::string& text) {
   return std::as_bytes(std::span(text));
 }
 
+/// Compresses the parts into one zlib stream, or a gzip file, and hands over its pieces in order.
+Result<void> deflate_parts(std::initializer_list<Bytes> parts, bool gzip, int level, const fs::path& path,
+                           const Sink& sink) {
+  constexpr int kWindowBits = 15, kGzip = 16, kMemoryLevel = 8;
+  constexpr std::size_t kMaxInput = std::size_t{1} << 30;  // zlib's counts have 32 bits
+  z_stream stream{};
+  if (deflateInit2(&stream, level, Z_DEFLATED, kWindowBits + (gzip ? kGzip : 0), kMemoryLevel,
+                   Z_DEFAULT_STRATEGY) != Z_OK)
+    return fail(ErrorCode::kLimit, "{}: cannot be written: out of memory", path.string());
+  const std::unique_ptr<z_stream, int (*)(z_stream*)> end(&stream, deflateEnd);
+  std::vector<std::byte> buffer(1 << 18);
+  const auto pump = [&](Bytes bytes, int flush) -> Result<void> {
+    stream.next_in =
+        const_cast<Bytef*>(reinterpret_cast<const Bytef*>(bytes.data()));  // zlib does not change it
+    stream.avail_in = static_cast<unsigned>(bytes.size());
+    do {
+      check_task();
+      stream.next_out = reinterpret_cast<Bytef*>(buffer.data());
+      stream.avail_out = static_cast<unsigned>(buffer.size());
+      deflate(&stream, flush);  // cannot fail: the state is valid and there is room
+      const std::size_t made = buffer.size() - stream.avail_out;
+      if (made > 0) SPLATLAS_RETURN_IF_ERROR(sink(std::span(buffer).first(made)));
+    } while (stream.avail_out == 0);
+    return {};
+  };
+  for (Bytes part : parts) {
+    for (; !part.empty(); part = part.subspan(std::min(part.size(), kMaxInput)))
+      SPLATLAS_RETURN_IF_ERROR(pump(part.first(std::min(part.size(), kMaxInput)), Z_NO_FLUSH));
+  }
+  return pump({}, Z_FINISH);
+}
+
 Result<void> write_nifti(const Image& image, const fs::path& path, int level, const Sink& sink) {
   SPLATLAS_ASSIGN_OR_RETURN(const std::string header, nifti_header(image.grid, image.voxels.type, path));
   if (to_lower(path.extension().string()) == ".gz") {
-    return deflate_in_pieces({bytes_of_text(header), image.voxels.bytes}, DeflateWrapper::kGzip, level, path,
-                             sink);
+    return deflate_parts({bytes_of_text(header), image.voxels.bytes}, true, level, path, sink);
   }
   SPLATLAS_RETURN_IF_ERROR(sink(bytes_of_text(header)));
   return sink(image.voxels.bytes);
@@ -56,7 +92,7 @@ Result<void> write_nifti(const Image& image, const fs::path& path, int level, co
 
 Result<void> write_nrrd(const Image& image, const fs::path& path, const Sink& sink) {
   SPLATLAS_RETURN_IF_ERROR(sink(bytes_of_text(nrrd_header(image.grid, image.voxels.type))));
-  return deflate_in_pieces({image.voxels.bytes}, DeflateWrapper::kGzip, kTextHeaderLevel, path, sink);
+  return deflate_parts({image.voxels.bytes}, true, kTextHeaderLevel, path, sink);
 }
 
 /// The header holds the number of compressed bytes, so they are kept in memory.
@@ -68,8 +104,7 @@ Result<void> write_meta_image(const Image& image, const fs::path& path, const Si
     bytes += piece.size();
     return {};
   };
-  SPLATLAS_RETURN_IF_ERROR(
-      deflate_in_pieces({image.voxels.bytes}, DeflateWrapper::kZlib, kTextHeaderLevel, path, keep));
+  SPLATLAS_RETURN_IF_ERROR(deflate_parts({image.voxels.bytes}, false, kTextHeaderLevel, path, keep));
   SPLATLAS_RETURN_IF_ERROR(sink(bytes_of_text(meta_image_header(image.grid, image.voxels.type, bytes))));
   for (const std::vector<std::byte>& piece : pieces) SPLATLAS_RETURN_IF_ERROR(sink(piece));
   return {};

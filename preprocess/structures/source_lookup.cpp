@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "format/result_macros.h"
+#include "format/selection/glob.h"
 #include "format/text/ascii_text.h"
 #include "preprocess/import/tables/text_file.h"
 
@@ -21,30 +22,6 @@ std::optional<StructureIndex> find_only(const Map& map, const Key& key) {
   const auto found = map.find(key);
   if (found == map.end() || found->second == kNoStructure) return std::nullopt;
   return found->second;
-}
-
-/// True if the pattern, in which "*" stands for any characters, fits the whole text. Goes back to the last
-/// "*" only: those before it fit as early as possible.
-bool fits(std::string_view pattern, std::string_view text) {
-  std::size_t p = 0;
-  std::size_t t = 0;
-  std::size_t star = std::string_view::npos;
-  std::size_t star_text = 0;
-  while (t < text.size()) {
-    if (p < pattern.size() && pattern[p] == '*') {
-      star = p++;
-      star_text = t;
-    } else if (p < pattern.size() && pattern[p] == text[t]) {
-      ++p;
-      ++t;
-    } else if (star != std::string_view::npos) {
-      p = star + 1;
-      t = ++star_text;
-    } else {
-      return false;
-    }
-  }
-  return pattern.find_first_not_of('*', p) == std::string_view::npos;
 }
 
 }  // namespace
@@ -89,7 +66,7 @@ Result<std::vector<StructureIndex>> SourceLookup::matching_one(std::string_view 
   constexpr std::string_view kCode = "code:";
   if (condition.starts_with(kCode)) return with_codes(condition.substr(kCode.size()));
   if (condition.find('*') != std::string_view::npos) {
-    const std::string pattern = to_lower(condition);
+    const Glob pattern(condition);
     const auto filter = [&](const auto& fits_source) {
       std::vector<StructureIndex> found;
       for (StructureIndex n = 0; n < sources_.size(); ++n) {
@@ -97,11 +74,12 @@ Result<std::vector<StructureIndex>> SourceLookup::matching_one(std::string_view 
       }
       return found;
     };
-    auto found = filter([&](StructureIndex n) { return fits(pattern, ids_[n]) || fits(pattern, names_[n]); });
+    auto found =
+        filter([&](StructureIndex n) { return pattern.matches(ids_[n]) || pattern.matches(names_[n]); });
     if (!found.empty()) return found;
     return filter([&](StructureIndex n) {
       return std::ranges::any_of(sources_[n].terms,
-                                 [&](const Term& term) { return fits(pattern, to_lower(term.value)); });
+                                 [&](const Term& term) { return pattern.matches(term.value); });
     });
   }
   std::optional<StructureIndex> source = named(condition);

@@ -18,7 +18,6 @@
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/isolation/run_isolated.h"
 #include "preprocess/import/tables/text_file.h"
-#include "preprocess/import/tables/transfer_tables.h"
 
 namespace splatlas {
 namespace {

@@ -10,7 +10,6 @@
 
 #include "preprocess/import/images/pixels/source_image.h"
 #include "preprocess/import/isolation/run_isolated.h"
-#include "preprocess/import/tables/transfer_tables.h"
 #include "tests/support/fails_with.h"
 
 namespace splatlas {

@@ -45,6 +45,16 @@ struct ImageOptions {
 
 // Members, for archives.
 
+void transfer(auto& archive, Term& term) {
+  archive(term.vocabulary, term.value);
+}
+void transfer(auto& archive, SourceStructure& structure) {
+  archive(structure.name, structure.label, structure.code, structure.color, structure.external,
+          structure.terms);
+}
+void transfer(auto& archive, Note& note) {
+  archive(note.kind, note.items);
+}
 void transfer(auto& archive, VoxelBuffer& voxels) {
   archive(voxels.type, voxels.bytes);
 }
