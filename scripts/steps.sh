@@ -33,6 +33,7 @@ step() {
 tell_failed_step() {
   local status=$?
   if ((status != 0)); then
+    tell_times >&2
     printf '\nFAILED%s (exit status %d); see its output above.\n' "${step_name:+: $step_name}" "$status" >&2
   fi
   exit "$status"

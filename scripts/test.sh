@@ -59,7 +59,10 @@ build_release() {
 # of a test program counts as its cases.
 run_tests() {
   local preset=$1 log=build/$1/ctest.log total
-  "${launcher[@]}" ctest --preset "$preset" --parallel "$(nproc)" --no-tests=error "${@:2}" | tee "$log"
+  "${launcher[@]}" ctest --preset "$preset" --parallel "$(nproc)" --no-tests=error "${@:2}" | tee "$log" || {
+    sed -n 's/^\[  FAILED  \] \([^ ]*\) (.*/FAILED: \1/p' "build/$preset/Testing/Temporary/LastTest.log"
+    printf 'Again: ctest --preset %s --rerun-failed --output-on-failure\n' "$preset" && return 1
+  }
   total=$(sed -nE 's/.* 0 tests failed out of ([0-9]+)$/\1/p' "$log")
   total=$(sed -nE 's/^\[  PASSED  \] ([0-9]+) tests?\.$/\1/p' "build/$preset/Testing/Temporary/LastTest.log" |
     awk -v total="$total" '{ total += $1 - 1 } END { print total }')
