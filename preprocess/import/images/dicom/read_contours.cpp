@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 
 #include "format/result_macros.h"
 #include "preprocess/import/images/dicom/dicom_item.h"
@@ -77,40 +76,6 @@ Result<std::vector<Region>> read_regions(const std::filesystem::path& path, Sour
     SPLATLAS_RETURN_IF_ERROR(read_contours_of(*item, path, *region, segment.structure, image.notes));
   }
   return regions;
-}
-
-/// An axial grid with a voxel around all contours.
-Result<Grid> grid_around(const std::vector<Region>& regions, const std::filesystem::path& path) {
-  constexpr double kPixel = 1, kRounding = 100;  // digits of planes
-  std::array<std::set<double>, 3> coordinates;
-  for (const Region& region : regions) {
-    for (const Contour& contour : region.contours) {
-      for (const Vec3& point : contour) {
-        for (std::size_t a = 0; a < 3; ++a)
-          coordinates[a].insert(std::round(point[a] * kRounding) / kRounding);
-        if (std::abs(point[2] - contour[0][2]) > 1 / kRounding)
-          return bad_file(path, "has contours that are not axial; give the --volume of their slices");
-      }
-    }
-  }
-  if (coordinates[2].empty()) return bad_file(path, "has no closed contour");
-  const std::set<double>& planes = coordinates[2];
-  double step = planes.size() == 1 ? kPixel : kMaxSpacingMm;
-  for (auto plane = planes.begin(); std::next(plane) != planes.end(); ++plane)
-    step = std::min(step, *std::next(plane) - *plane);
-  const double pixel = std::min(kPixel, step);
-  Grid grid;
-  grid.spacing_mm = {pixel, pixel, step};
-  for (std::size_t a = 0; a < 3; ++a) {
-    // Contours on whole mm run between pixels.
-    const double low = *coordinates[a].begin(),
-                 first = a == 2 ? low : (std::floor(low / pixel) + 0.5) * pixel;
-    grid.origin_lps_mm[a] = first - grid.spacing_mm[a];
-    const double steps = (*coordinates[a].rbegin() - first) / grid.spacing_mm[a];
-    grid.size[a] = static_cast<std::int64_t>(std::ceil(steps - 1e-3)) + 3;
-  }
-  SPLATLAS_RETURN_IF_ERROR(payload_bytes(path, grid.size, sizeof(float)));
-  return grid;
 }
 
 /// The indices of a range of voxel centres: from `low` to below `high`.
@@ -195,14 +160,12 @@ std::vector<SliceMask> masks_of(const Planes& planes, const Grid& grid) {
 }  // namespace
 
 Result<SourceImage> read_contours(const std::filesystem::path& path, const std::optional<Grid>& grid) {
+  if (!grid)
+    return bad_file(path, "holds contours without a grid; give their series as --volume, or lay it beside");
   SourceImage image;
   image.is_segmentation = true;
+  image.grid = *grid;
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<Region> regions, read_regions(path, image));
-  if (grid) {
-    image.grid = *grid;
-  } else {
-    SPLATLAS_ASSIGN_OR_RETURN(image.grid, grid_around(regions, path));
-  }
   MaskLayers<std::uint16_t> layers(image.grid);
   for (SourceSegment& segment : image.segments) {
     const Region& region = regions[static_cast<std::size_t>(segment.value - 1)];

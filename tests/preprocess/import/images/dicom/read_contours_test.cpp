@@ -58,18 +58,13 @@ TEST_F(DicomContours, AreFilledOnTheSeriesBesideThem) {
   EXPECT_THAT(notes_of(image), IsEmpty());
 }
 
-TEST_F(DicomContours, HaveAGridOfTheirOwnWithoutASeries) {
-  write_contours({{"Box", {box(-28, -12, 3, 8, 0), box(-28, -12, 3, 8, 3), box(-28, -12, 3, 8, 6)}}},
-                 file("rt"));
-  const SourceImage image = labels_of(file("rt"));
-  EXPECT_EQ(image.grid.spacing_mm, (Vec3{1, 1, 3}));
-  EXPECT_THAT(counts(image, 0), ElementsAre(0, 80, 80, 80, 0));
+TEST_F(DicomContours, NeedAGrid) {
+  write_contours({{"Box", {box(-28, -12, 3, 8, 0)}}}, file("rt"));
   EXPECT_THAT(import_dicom(file("rt"), {}), FailsWith(ErrorCode::kFailed, HasSubstr("as --labels")));
-  write_contours({{"Across", {{{0, 0, 0}, {0, 5, 0}, {0, 5, 5}}}}}, file("rt"));
   ImageOptions options;
   options.labels = true;
   EXPECT_THAT(import_dicom(file("rt"), options),
-              FailsWith(ErrorCode::kFailed, HasSubstr("give the --volume")));
+              FailsWith(ErrorCode::kFailed, HasSubstr("give their series as --volume, or lay it beside")));
 }
 
 TEST_F(DicomContours, LieOnTheVolume) {
