@@ -152,6 +152,59 @@ TEST_F(MoreFormats, ConvertsUnits) {
   EXPECT_THAT(messages_of(image.notes), ElementsAre(HasSubstr("another unit than mm")));
 }
 
+TEST_F(MoreFormats, ConvertsUnitsOfTextHeaders) {
+  const std::string unit = "space units: \"microns\" \"microns\" \"microns\"\n";
+  EXPECT_EQ(source("a.nrrd", nrrd_header("raw", unit) + RawImage::payload()).grid.spacing_mm,
+            (Vec3{0.001, 0.002, 0.003}));
+  const SourceImage unknown =
+      source("a.nrrd", nrrd_header("raw", replaced(unit, "microns", "ells")) + RawImage::payload());
+  EXPECT_EQ(unknown.grid.spacing_mm, (Vec3{1, 2, 3}));
+  EXPECT_THAT(messages_of(unknown.notes), ElementsAre(HasSubstr("unknown unit of length")));
+  EXPECT_EQ(source("a.mha", meta_header("DistanceUnits = cm\n") + RawImage::payload()).grid.spacing_mm,
+            (Vec3{10, 20, 30}));
+}
+
+/// A file of exactly this name comes before a pattern of names.
+TEST_F(MoreFormats, TakesAPercentSignForAName) {
+  write_bytes(folder_.file("a(%d=5).raw"), RawImage::payload());
+  const std::string header = replaced(meta_header(""), "LOCAL", "a(%d=5).raw");
+  expect_raw_image(imported("a.mhd", header));
+  refuses("a.mhd", replaced(header, "%d", "%03d"), "spreads its pixels over several files");
+}
+
+TEST_F(MoreFormats, RefusesFilesCompressedTwice) {
+  refuses("a.nii.gz", deflated(deflated(nifti(), true), true), "is compressed twice; gunzip it once");
+}
+
+/// Scripts leave gaps between segments, begin at 1, leave out ids, and write colours to 255.
+TEST_F(MoreFormats, ReadsSegmentsOfScripts) {
+  const SourceImage image = source(
+      "a.seg.nrrd", nrrd_header("raw",
+                                "Segment1_Name:=liver\nSegment1_LabelValue:=1\nSegment1_Color:=204 51 26\n"
+                                "Segment7_ID:=b\nSegment7_LabelValue:=3\nSegment7_Color:=1 0 0\n") +
+                        RawImage::payload());
+  ASSERT_EQ(image.segments.size(), 2u);
+  EXPECT_EQ(image.segments[0].structure.name, "liver");
+  EXPECT_EQ(image.segments[0].structure.color, (Rgb{204, 51, 26}));
+  EXPECT_EQ(image.segments[1].structure.name, "b");
+  EXPECT_EQ(image.segments[1].value, 3);
+  EXPECT_EQ(image.segments[1].structure.color, (Rgb{1, 0, 0}));
+}
+
+TEST_F(MoreFormats, ReadsSegmentsOfMitk) {
+  const std::string key = "org.mitk.multilabel.segmentation.labelgroups:=";
+  const SourceImage image = source(
+      "a.nrrd",
+      nrrd_header("raw", key + R"([{"labels":[{"value":5,"name":"heart","color":{"value":[0.8,0.2,0.1]}}]}])"
+                               "\n") +
+          RawImage::payload());
+  ASSERT_EQ(image.segments.size(), 1u);
+  EXPECT_EQ(image.segments[0].value, 5);
+  EXPECT_EQ(image.segments[0].structure.name, "heart");
+  EXPECT_EQ(image.segments[0].structure.color, (Rgb{204, 51, 26}));
+  refuses("a.nrrd", nrrd_header("raw", key + "[{}]\n") + RawImage::payload(), "names of MITK");
+}
+
 TEST_F(MoreFormats, ChoosesAVolumeOfSeveral) {
   const std::string two = with_number<std::int16_t>(with_number<std::int16_t>(nifti(), 40, 4), 48, 2);
   std::vector<std::int16_t> second(RawImage::kVoxels, 5);
