@@ -30,9 +30,11 @@ colours and layers; the folder of a BrainGlobe atlas with names and tree; or a f
 as TotalSegmentator writes: file names become structure names, and masks may overlap. Labels and volume may have
 different grids: the labels' stays, unless --resample volume.
 
-Surfaces: STL, OBJ, PLY, VTK polygons (.vtk, .vtp) and GIFTI (.gii), alone or beside labels. Their frame is that of the
-option, else of the file (SPACE= of 3D Slicer; GIFTI is RAS), else the one that fits the labels. A transform is a text
-file of 4 x 4 numbers. What lies beyond the grid is cut off, unless --fit-grid widens it.
+Surfaces: STL, OBJ, PLY, VTK polygons (.vtk, .vtp), GIFTI (.gii) and FreeSurfer (lh.pial), alone or beside labels, one
+file or a folder, which names them by its files. Their frame is that of the option, else of the file (SPACE= of 3D
+Slicer; GIFTI and FreeSurfer are RAS), else the one that fits the labels. A scale is in mm per unit; without it, the unit
+is that of the file (comments of Mimics), else mm. A transform is a text file of 4 x 4 numbers. What lies beyond the grid
+is cut off, unless --fit-grid widens it. Without --labels, --names is for surfaces, by the names of their files.
 
 Notes and warnings tell what is odd, one line a kind. --report and --json list all cases; --strict stops at a warning.
 
@@ -122,7 +124,7 @@ void add_sources(CLI::App& build, SourceFiles& sources) {
         sources.spacing_mm = *spacing;
       },
       "X,Y,Z in mm: size of the voxels of TIFF and PNG pictures");
-  build.add_option("--names", sources.names, "names of the labels")->check(names_a_file());
+  build.add_option("--names", sources.names, "names of the labels, or of surfaces")->check(names_a_file());
   Choices<NamesFormat> formats{{"auto", NamesFormat::kAuto}};
   for (const NamesFormatInfo& info : names_formats()) formats.emplace_back(info.option, info.format);
   add_choice(build, "--names-format", sources.names_format, formats, "dialect of --names")->needs("--names");
@@ -131,9 +133,10 @@ void add_sources(CLI::App& build, SourceFiles& sources) {
   build.add_option("--tree", sources.tree, "hierarchy of the structures")->check(names_a_file());
   add_repeated(build, "--segment", sources.segments, parse_segment,
                "NAME=RULE: a structure from thresholds or a mask (repeatable)");
-  add_repeated(build, "--mesh", sources.meshes, parse_mesh,
-               "NAME=FILE[,frame=ras|lps][,transform=FILE][,scale=S][,color=#rrggbb]: an external surface "
-               "(repeatable)");
+  add_repeated(
+      build, "--mesh", sources.meshes, parse_mesh,
+      "NAME=FILE[,frame=ras|lps][,transform=FILE][,scale=S][,color=#rrggbb]: an external surface; or "
+      "FOLDER[,...]: all in it (repeatable)");
   build.add_flag("--fit-grid", sources.fit_grid, "widen the grid for surfaces that reach beyond it");
   build.add_flag("--allow-empty", sources.allow_empty,
                  "keep named labels without voxels, as empty structures");
