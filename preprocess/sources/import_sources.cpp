@@ -1,7 +1,6 @@
 #include "preprocess/sources/import_sources.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -43,13 +42,6 @@ const NoteKind kDegenerate{"degenerate-triangles", "surface has triangles withou
                            "surfaces have triangles without area, which are dropped", false};
 const NoteKind kOutside{"surfaces-outside", "surface is partly outside the volume, and cut off there",
                         "surfaces are partly outside the volume, and cut off there", true};
-
-const NoteKind kOddSize{"surface-sizes", "surface has an unlikely size; is its unit mm?",
-                        "surfaces have unlikely sizes; are their units mm?", true};
-
-double longest_side(const MmBox& box) {
-  return std::ranges::max(difference(box.high, box.low));
-}
 
 void drop_labels(NamesTable& table, const std::set<std::int64_t>& labels) {
   std::erase_if(table.names,
@@ -320,7 +312,7 @@ class SourceImporter {
         notes_.add(kDegenerate, fmt::format("{} ({} of {})", source.file.string(), mesh.dropped,
                                             mesh.dropped + mesh.triangles.size()));
       }
-      if (labelled) note_size(source, mesh, *labelled);
+      if (labelled) note_size(model_, source, mesh, *labelled, notes_);
       meshes.push_back(std::move(mesh));
       surfaces.structures.emplace_back().name = source.name;
     }
@@ -330,23 +322,6 @@ class SourceImporter {
     for (std::size_t n = 0; n < meshes.size(); ++n)
       SPLATLAS_RETURN_IF_ERROR(add_mesh(files_.meshes[n], meshes[n], std::move(surfaces.structures[n])));
     return {};
-  }
-
-  /// Warns of a surface smaller than a voxel, or 100 times smaller or larger than the labels.
-  void note_size(const MeshSource& source, const TriangleMesh& mesh, const MmBox& labelled) {
-    constexpr double kMostRatio = 100;
-    constexpr std::array<std::pair<double, const char*>, 5> kUnits{
-        {{1000, "m"}, {25.4, "inches"}, {10, "cm"}, {1e-3, "um"}, {1e-6, "nm"}}};
-    const double voxel = std::ranges::min(model_.source_grid.spacing_mm), size = longest_side(box_of(mesh)),
-                 usual = std::max(longest_side(labelled), voxel);
-    if (size >= voxel && size >= usual / kMostRatio && size <= usual * kMostRatio) return;
-    const auto [scale, unit] = *std::ranges::min_element(
-        kUnits, {}, [&](const auto& known) { return std::abs(std::log(known.first * size / usual)); });
-    notes_.add(
-        kOddSize,
-        fmt::format(
-            "{} (its longest side is {:.3g} mm, that of the labels {:.3g} mm; scale={} if its unit is {})",
-            source.file.string(), size, usual, scale * source.scale.value_or(1), unit));
   }
 
   Result<void> add_mesh(const MeshSource& source, const TriangleMesh& mesh, SourceStructure structure) {
@@ -411,28 +386,6 @@ Result<SourceModel> import_sources(const SourceFiles& files, Notes& notes,
     return fail(ErrorCode::kUsage, "--colors needs --labels");
   SPLATLAS_ASSIGN_OR_RETURN(const SourceFiles single, without_folders(files));
   return SourceImporter(single, notes, progress).import();
-}
-
-std::vector<fs::path> list_files(const SourceFiles& files) {
-  std::vector<fs::path> list;
-  std::vector<fs::path> given{files.labels, files.volume, files.names, files.colors, files.tree};
-  for (const MeshSource& mesh : files.meshes) given.insert(given.end(), {mesh.file, mesh.transform});
-  for (const fs::path& path : given) {
-    std::error_code error;
-    if (fs::is_directory(path, error)) {
-      for (fs::directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error)) {
-        list.push_back(entry->path());
-      }
-    } else if (!path.empty()) {
-      list.push_back(path);
-    }
-  }
-  for (const SegmentRule& rule : files.segments) {
-    if (!rule.mask.empty()) list.push_back(rule.mask);
-  }
-  for (std::size_t n = list.size(); n-- > 0;) list.push_back(other_file(list[n]));
-  list.insert(list.end(), files.scenes.begin(), files.scenes.end());
-  return list;
 }
 
 }  // namespace splatlas
