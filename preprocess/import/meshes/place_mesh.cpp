@@ -97,18 +97,13 @@ MeshFrame guess_frame(const TriangleMesh& mesh, const std::optional<MmBox>& labe
                       Notes& notes) {
   const double lps = labelled ? fraction_within(mesh, MeshFrame::kLps, *labelled) : 0;
   const double ras = labelled ? fraction_within(mesh, MeshFrame::kRas, *labelled) : 0;
-  const MeshFrame frame = ras > lps ? MeshFrame::kRas : MeshFrame::kLps;
-  if (!labelled) {
-    notes.add(kAssumedFrame,
-              fmt::format("{} (LPS: there are no labels; frame=ras or frame=lps decides)", file.string()));
-    return frame;
-  }
-  notes.add(kAssumedFrame,
-            fmt::format("{} ({}: {:.0f} % of its points lie among the labels, {:.0f} % as {}; frame=ras or "
-                        "frame=lps decides)",
-                        file.string(), ras > lps ? "RAS" : "LPS", 100 * std::max(lps, ras),
-                        100 * std::min(lps, ras), ras > lps ? "LPS" : "RAS"));
-  return frame;
+  const std::string why = labelled
+                              ? fmt::format("{}: {:.0f} % of its points lie among the labels, {:.0f} % as {}",
+                                            ras > lps ? "RAS" : "LPS", 100 * std::max(lps, ras),
+                                            100 * std::min(lps, ras), ras > lps ? "LPS" : "RAS")
+                              : "LPS: there are no labels";
+  notes.add(kAssumedFrame, fmt::format("{} ({}; frame=ras or frame=lps decides)", file.string(), why));
+  return ras > lps ? MeshFrame::kRas : MeshFrame::kLps;
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "preprocess/import/meshes/import_mesh.h"
 
 #include <cmath>
-#include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
