@@ -27,9 +27,9 @@ inline constexpr std::int64_t kMaxSmoothSize = 65535;
 }
 
 /// Surface of one structure in continuous voxel indices of the storage grid. A fitted triangle (marching
-/// cubes) lies in one cell of eight voxel centres, unless it was smoothed across thick slices; an external
-/// triangle is clipped to one voxel. Triangles are sorted by the memory offset of their voxel: the first
-/// boundary voxel in a fitted triangle's cell, or the voxel crossed by an external triangle.
+/// cubes) lies in one cell of eight voxel centres, unless it was smoothed across thick slices; external
+/// triangles are as in their file. Triangles are sorted by the memory offset of their voxel: the first
+/// boundary voxel in a fitted triangle's cell, or the first voxel that an external triangle crosses.
 struct SurfaceMesh {
   std::vector<std::array<float, 3>> positions_ijk;  ///< multiples of 1 / position_scale
   /// Unit normals in LPS, out of the structure, one per position. Files store PackedNormal.

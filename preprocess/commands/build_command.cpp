@@ -63,7 +63,7 @@ void add_sources(CLI::App& build, SourceFiles& sources) {
         sources.spacing_mm = *spacing;
       },
       "X,Y,Z in mm: size of the voxels of TIFF and PNG pictures");
-  build.add_option("--names", sources.names, "names of the labels")->check(names_a_file());
+  build.add_option("--names", sources.names, "names of the labels, or of surfaces")->check(names_a_file());
   Choices<NamesFormat> formats{{"auto", NamesFormat::kAuto}};
   for (const NamesFormatInfo& info : names_formats()) formats.emplace_back(info.option, info.format);
   add_choice(build, "--names-format", sources.names_format, formats, "dialect of --names")->needs("--names");
@@ -72,9 +72,10 @@ void add_sources(CLI::App& build, SourceFiles& sources) {
   build.add_option("--tree", sources.tree, "hierarchy of the structures")->check(names_a_file());
   add_repeated(build, "--segment", sources.segments, parse_segment,
                "NAME=RULE: a structure from thresholds or a mask (repeatable)");
-  add_repeated(build, "--mesh", sources.meshes, parse_mesh,
-               "NAME=FILE[,frame=ras|lps][,transform=FILE][,scale=S][,color=#rrggbb]: an external surface "
-               "(repeatable)");
+  add_repeated(
+      build, "--mesh", sources.meshes, parse_mesh,
+      "NAME=FILE[,frame=ras|lps][,transform=FILE][,scale=S][,color=#rrggbb]: an external surface; or "
+      "FOLDER[,...]: all in it (repeatable)");
   build.add_flag("--fit-grid", sources.fit_grid, "widen the grid for surfaces that reach beyond it");
   build.add_flag("--allow-empty", sources.allow_empty,
                  "keep named labels without voxels, as empty structures");

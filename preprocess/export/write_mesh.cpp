@@ -79,8 +79,9 @@ void append(T value, std::vector<std::byte>& bytes) {
   bytes.insert(bytes.end(), raw.begin(), raw.end());
 }
 
-/// Binary PLY. VTK's writer appends ".ply" to other file names, and its output to memory is empty.
-Result<void> write_ply(vtkPolyData& polygons, const std::string& comment, OutputFile& file) {
+/// Binary PLY; false if bytes are lost. VTK's writer appends ".ply" to other file names, and its output to
+/// memory is empty.
+Result<bool> write_ply(vtkPolyData& polygons, const std::string& comment, OutputFile& file) {
   const std::string header = fmt::format(
       "ply\nformat binary_little_endian 1.0\n{}{}{}element vertex {}\nproperty float x\nproperty float y\n"
       "property float z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
@@ -100,7 +101,9 @@ Result<void> write_ply(vtkPolyData& polygons, const std::string& comment, Output
     for (const vtkIdType id : std::span(ids, static_cast<std::size_t>(corners)))
       append(static_cast<std::int32_t>(id), bytes);
   }
-  return file.write(bytes);
+  SPLATLAS_RETURN_IF_ERROR(file.write(bytes));
+  std::error_code error;
+  return fs::file_size(file.temporary(), error) == header.size() + bytes.size();
 }
 
 /// VTK's writer has no comments of its own.
@@ -118,10 +121,8 @@ Result<bool> write_as(MeshFormat format, vtkPolyData& polygons, const std::strin
   switch (format) {
     case MeshFormat::kStl: return write_with<vtkSTLWriter>(polygons, comment, file.temporary());
     case MeshFormat::kObj: return write_obj(polygons, comment, file.temporary());
-    case MeshFormat::kPly: SPLATLAS_RETURN_IF_ERROR(write_ply(polygons, comment, file)); return true;
-    case MeshFormat::kVtk:
-    case MeshFormat::kVtp:  // writable_mesh_format() refuses these
-    case MeshFormat::kGifti: break;
+    case MeshFormat::kPly: return write_ply(polygons, comment, file);
+    default: break;  // kVtk: writable_mesh_format() refuses the others
   }
   return write_with<vtkPolyDataWriter>(polygons, comment, file.temporary());
 }
@@ -159,7 +160,7 @@ Result<MeshFormat> writable_mesh_format(const fs::path& path) {
   Result<MeshFormat> format = mesh_format(path);
   if (!format) {
     format.error().code = ErrorCode::kUsage;
-  } else if (*format == MeshFormat::kVtp || *format == MeshFormat::kGifti) {
+  } else if (*format >= MeshFormat::kVtp) {
     return fail(ErrorCode::kUsage, "{}: is not written; surfaces are written as .stl, .obj, .ply or .vtk",
                 path.string());
   }

@@ -116,7 +116,7 @@ class SourceImporter {
   }
 
   Result<void> import_names() {
-    if (files_.names.empty() || files_.labels.empty()) return {};
+    if (files_.names.empty()) return {};
     SPLATLAS_ASSIGN_OR_RETURN(names_, read_names(files_.names, files_.names_format, notes_));
     return remember("names", files_.names);
   }
@@ -129,20 +129,7 @@ class SourceImporter {
         splatlas::import_labels(files_.labels,
                                 {.spacing_mm = files_.spacing_mm, .as_labels = files_.as_labels}, grid));
     note_resampled(labels);
-    if (names_) {
-      std::vector<TreeLine> hierarchy = std::move(names_->hierarchy);
-      const NamesFormat dialect = names_->dialect;
-      if (const auto fit = name_labels(labels, *std::exchange(names_, std::nullopt), files_.allow_empty);
-          !fit) {
-        return bad_file(files_.names, "is read as {}, and no row fits {}: {}",
-                        std::ranges::find(names_formats(), dialect, &NamesFormatInfo::format)->title,
-                        files_.labels.string(), fit.error().message);
-      }
-      if (files_.tree.empty() && !hierarchy.empty()) {
-        model_.tree = std::move(hierarchy);
-        model_.tree_file = files_.names.string();
-      }
-    }
+    SPLATLAS_RETURN_IF_ERROR(apply_names(labels, files_.labels.string()));
     SPLATLAS_RETURN_IF_ERROR(check_doubt(labels));
     if (!files_.colors.empty()) {
       SPLATLAS_ASSIGN_OR_RETURN(const auto colors, read_color_table(files_.colors));
@@ -160,6 +147,24 @@ class SourceImporter {
     model_.structures = std::move(labels.structures);
     labels_source_ = labels.source;
     labels_frame_ = labels.frame_of_reference;
+    return {};
+  }
+
+  /// Gives structures their names of the table; its hierarchy is the tree if there is no other.
+  Result<void> apply_names(ImportedLabels& labels, const std::string& source) {
+    if (!names_) return {};
+    std::vector<TreeLine> hierarchy = names_->hierarchy;
+    const NamesFormat dialect = names_->dialect;
+    if (const auto fit = name_labels(labels, *std::exchange(names_, std::nullopt), files_.allow_empty);
+        !fit) {
+      return bad_file(files_.names, "is read as {}, and no row fits {}: {}",
+                      std::ranges::find(names_formats(), dialect, &NamesFormatInfo::format)->title, source,
+                      fit.error().message);
+    }
+    if (files_.tree.empty() && !hierarchy.empty()) {
+      model_.tree = std::move(hierarchy);
+      model_.tree_file = files_.names.string();
+    }
     return {};
   }
 
@@ -264,6 +269,7 @@ class SourceImporter {
   Result<void> import_meshes() {
     if (files_.meshes.empty()) return {};
     std::vector<TriangleMesh> meshes;
+    ImportedLabels surfaces;  // as masks, which have no labels
     const std::optional<MmBox> labelled = labelled_box(model_);
     for (const MeshSource& source : files_.meshes) {
       SPLATLAS_ASSIGN_OR_RETURN(TriangleMesh mesh, place_mesh(source, labelled, notes_));
@@ -271,15 +277,19 @@ class SourceImporter {
         notes_.add("degenerate-triangles", fmt::format("{} ({} of {})", source.file.string(), mesh.dropped,
                                                        mesh.dropped + mesh.triangles.size()));
       }
+      if (labelled) note_size(model_, source, mesh, *labelled, notes_);
       meshes.push_back(std::move(mesh));
+      surfaces.structures.emplace_back().name = source.name;
     }
+    SPLATLAS_RETURN_IF_ERROR(apply_names(surfaces, "the surfaces"));
+    notes_.add(surfaces.notes);
     SPLATLAS_RETURN_IF_ERROR(fit_grid(model_, meshes, files_.fit_grid, notes_));
     for (std::size_t n = 0; n < meshes.size(); ++n)
-      SPLATLAS_RETURN_IF_ERROR(add_mesh(files_.meshes[n], meshes[n]));
+      SPLATLAS_RETURN_IF_ERROR(add_mesh(files_.meshes[n], meshes[n], std::move(surfaces.structures[n])));
     return {};
   }
 
-  Result<void> add_mesh(const MeshSource& source, const TriangleMesh& mesh) {
+  Result<void> add_mesh(const MeshSource& source, const TriangleMesh& mesh, SourceStructure structure) {
     Result<ClippedMesh> clipped = clip_mesh(mesh, storage_grid());
     if (!clipped) return fail(clipped.error().code, "{}: {}", source.file.string(), clipped.error().message);
     if (clipped->crossed.empty()) {
@@ -295,9 +305,7 @@ class SourceImporter {
     if (clipped->outside > kNegligible)
       notes_.add("surfaces-outside",
                  fmt::format("{} ({:.1f} %)", source.file.string(), 100 * clipped->outside));
-    SourceStructure structure;
-    structure.name = source.name;
-    structure.color = source.color;
+    if (source.color) structure.color = source.color;
     structure.external = true;
     model_.structures.push_back(std::move(structure));
     model_.meshes.push_back(std::move(*clipped));
@@ -320,8 +328,12 @@ class SourceImporter {
   std::map<std::string, std::string> option_of_name_;  // by name_key
 };
 
-/// Replaces a BrainGlobe folder by its files.
-SourceFiles without_folders(SourceFiles files) {
+/// Replaces folders of surfaces and of BrainGlobe by their files.
+Result<SourceFiles> without_folders(SourceFiles files) {
+  for (const MeshSource& given : std::exchange(files.meshes, {})) {
+    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<MeshSource> surfaces, surfaces_of(given));
+    files.meshes.insert(files.meshes.end(), surfaces.begin(), surfaces.end());
+  }
   if (is_brainglobe_folder(files.volume)) files.volume /= "reference.tiff";
   if (!is_brainglobe_folder(files.labels)) return files;
   if (files.names.empty()) files.names = files.labels / "structures.json";
@@ -335,34 +347,12 @@ Result<SourceModel> import_sources(const SourceFiles& files, Notes& notes,
                                    const std::function<void(double)>& progress) {
   if (files.labels.empty() && files.segments.empty() && files.meshes.empty())
     return fail(ErrorCode::kUsage, "no structures: give --labels, a --segment or a --mesh");
-  if (files.labels.empty() && (!files.names.empty() || !files.colors.empty()))
-    return fail(ErrorCode::kUsage, "--names and --colors need --labels");
-  const SourceFiles single = without_folders(files);
+  if (files.labels.empty() && !(files.names.empty() || !files.meshes.empty()))
+    return fail(ErrorCode::kUsage, "--names needs --labels or a --mesh");
+  if (files.labels.empty() && !files.colors.empty())
+    return fail(ErrorCode::kUsage, "--colors needs --labels");
+  SPLATLAS_ASSIGN_OR_RETURN(const SourceFiles single, without_folders(files));
   return SourceImporter(single, notes, progress).import();
-}
-
-std::vector<fs::path> list_files(const SourceFiles& files) {
-  std::vector<fs::path> list;
-  for (const fs::path& path : {files.labels, files.volume, files.names, files.colors, files.tree}) {
-    std::error_code error;
-    if (fs::is_directory(path, error)) {
-      for (fs::directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error)) {
-        list.push_back(entry->path());
-      }
-    } else if (!path.empty()) {
-      list.push_back(path);
-    }
-  }
-  for (const SegmentRule& rule : files.segments) {
-    if (!rule.mask.empty()) list.push_back(rule.mask);
-  }
-  for (std::size_t n = list.size(); n-- > 0;) list.push_back(other_file(list[n]));
-  list.insert(list.end(), files.scenes.begin(), files.scenes.end());
-  for (const MeshSource& mesh : files.meshes) {
-    list.push_back(mesh.file);
-    if (!mesh.transform.empty()) list.push_back(mesh.transform);
-  }
-  return list;
 }
 
 }  // namespace splatlas

@@ -69,6 +69,11 @@ struct SourceModel {
 /// The box of the labelled voxels in LPS mm; of the grid where there are none; nothing without a grid.
 [[nodiscard]] std::optional<MmBox> labelled_box(const SourceModel& model);
 
+/// Warns of a surface smaller than a voxel, or 100 times smaller or larger than the labels, with a scale to
+/// try.
+void note_size(const SourceModel& model, const MeshSource& source, const TriangleMesh& mesh,
+               const MmBox& labelled, Notes& notes);
+
 /// Makes a grid around the meshes if the model has none. With `widens`, adds voxels to its grid until it
 /// holds all meshes: background, and the least grey value. Notes it. kLimit beyond 8 times the voxels.
 [[nodiscard]] Result<void> fit_grid(SourceModel& model, std::span<const TriangleMesh> meshes, bool widens,

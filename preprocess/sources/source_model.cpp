@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -7,6 +8,7 @@
 
 #include "format/content/class_table.h"
 #include "format/result_macros.h"
+#include "preprocess/import/images/import_image.h"
 #include "preprocess/import/meshes/import_mesh.h"
 #include "preprocess/sources/import_sources.h"
 
@@ -62,6 +64,10 @@ Grid grid_around(std::span<const TriangleMesh> meshes) {
     grid.origin_lps_mm[a] = box.low[a] - spacing;
   }
   return grid;
+}
+
+double longest_side(const MmBox& box) {
+  return std::ranges::max(difference(box.high, box.low));
 }
 
 Grid storage_grid_of(const SourceModel& model) {
@@ -129,6 +135,23 @@ std::optional<MmBox> labelled_box(const SourceModel& model) {
   return result;
 }
 
+void note_size(const SourceModel& model, const MeshSource& source, const TriangleMesh& mesh,
+               const MmBox& labelled, Notes& notes) {
+  constexpr double kMostRatio = 100;
+  constexpr std::array<std::pair<double, const char*>, 5> kUnits{
+      {{1000, "m"}, {25.4, "inches"}, {10, "cm"}, {1e-3, "um"}, {1e-6, "nm"}}};
+  const double voxel = std::ranges::min(model.source_grid.spacing_mm), size = longest_side(box_of(mesh)),
+               usual = std::max(longest_side(labelled), voxel);
+  if (size >= voxel && size >= usual / kMostRatio && size <= usual * kMostRatio) return;
+  const auto [scale, unit] = *std::ranges::min_element(
+      kUnits, {}, [&](const auto& known) { return std::abs(std::log(known.first * size / usual)); });
+  notes.add(
+      "surface-sizes",
+      fmt::format(
+          "{} (its longest side is {:.3g} mm, that of the labels {:.3g} mm; scale={} if its unit is {})",
+          source.file.string(), size, usual, scale * source.scale.value_or(1), unit));
+}
+
 Result<void> fit_grid(SourceModel& model, std::span<const TriangleMesh> meshes, bool widens, Notes& notes) {
   if (model.source_grid.voxels() == 0) {
     model.source_grid = grid_around(meshes);
@@ -150,6 +173,29 @@ Result<void> fit_grid(SourceModel& model, std::span<const TriangleMesh> meshes, 
   notes.add("widened-grid",
             fmt::format("from {} to {} voxels", fmt::join(grid.size, "x"), fmt::join(wide.size, "x")));
   return {};
+}
+
+std::vector<std::filesystem::path> list_files(const SourceFiles& files) {
+  std::vector<std::filesystem::path> list;
+  std::vector<std::filesystem::path> given{files.labels, files.volume, files.names, files.colors, files.tree};
+  for (const MeshSource& mesh : files.meshes) given.insert(given.end(), {mesh.file, mesh.transform});
+  for (const std::filesystem::path& path : given) {
+    std::error_code error;
+    if (std::filesystem::is_directory(path, error)) {
+      for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end;
+           entry.increment(error)) {
+        list.push_back(entry->path());
+      }
+    } else if (!path.empty()) {
+      list.push_back(path);
+    }
+  }
+  for (const SegmentRule& rule : files.segments) {
+    if (!rule.mask.empty()) list.push_back(rule.mask);
+  }
+  for (std::size_t n = list.size(); n-- > 0;) list.push_back(other_file(list[n]));
+  list.insert(list.end(), files.scenes.begin(), files.scenes.end());
+  return list;
 }
 
 }  // namespace splatlas

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <unordered_map>
 
 #include "format/content/unit_vector.h"
@@ -59,7 +60,7 @@ void cut_polygon(const Polygon& polygon, std::size_t axis, double plane, Polygon
   if (!any_above && any_below) above.clear();
 }
 
-/// A clipped triangle with vertex indices of the surface.
+/// A triangle with vertex indices of the surface, and the first voxel that it crosses.
 struct Piece {
   std::int64_t voxel;
   std::array<std::uint32_t, 3> corners;
@@ -84,10 +85,11 @@ class MeshClipper {
       for (Corner& corner : polygon) {
         for (double& x : corner.index) x = quantized(x);
       }
+      const std::size_t first = crossed_.size();
       split(polygon, 0, {0, 0, 0});
-      if (pieces_.size() > kMaxPieces) {
-        return fail(ErrorCode::kLimit, "clipping gives more than {} triangles", kMaxPieces);
-      }
+      if (crossed_.size() > kMaxPieces)
+        return fail(ErrorCode::kLimit, "its triangles cross more than {} voxels", kMaxPieces);
+      if (crossed_.size() > first) emit(polygon, *std::min_element(&crossed_[first], &crossed_.back() + 1));
     }
     return finish();
   }
@@ -119,10 +121,12 @@ class MeshClipper {
     }
   }
 
-  /// Splits recursively along `axis` and the following axes; `voxel` has the indices of the preceding axes.
+  /// Collects the voxels of a polygon: splits it recursively along `axis` and the following axes; `voxel` has
+  /// the indices of the preceding axes.
   void split(Polygon& polygon, std::size_t axis, Index3 voxel) {
     if (polygon.size() < 3) return;
-    if (axis == 3) return emit(polygon, voxel);
+    if (axis == 3 && area_of(polygon) > 0) crossed_.push_back(voxel_of(polygon, voxel));
+    if (axis == 3) return;
     const auto [low, high] =
         std::minmax_element(polygon.begin(), polygon.end(),
                             [&](const auto& a, const auto& b) { return a.index[axis] < b.index[axis]; });
@@ -139,11 +143,11 @@ class MeshClipper {
     split(rest, axis + 1, voxel);
   }
 
-  /// The voxel of a triangle. Quantization may move it into the plane of the next voxel, its own then.
-  [[nodiscard]] std::int64_t voxel_of(const Polygon& triangle, Index3 voxel) const {
+  /// The voxel of a part. Quantization may move it into the plane of the next voxel, its own then.
+  [[nodiscard]] std::int64_t voxel_of(const Polygon& part, Index3 voxel) const {
     for (std::size_t a = 0; a < 3; ++a) {
       const double plane = static_cast<double>(voxel[a]) + 0.5;
-      const bool in_plane = std::all_of(triangle.begin(), triangle.end(),
+      const bool in_plane = std::all_of(part.begin(), part.end(),
                                         [&](const Corner& corner) { return corner.index[a] >= plane; });
       if (in_plane && voxel[a] + 1 < grid_.size[a]) ++voxel[a];
     }
@@ -151,12 +155,11 @@ class MeshClipper {
   }
 
   /// Triangulates a polygon as a fan. Drops triangles without area after quantization.
-  void emit(const Polygon& polygon, const Index3& voxel) {
+  void emit(const Polygon& polygon, std::int64_t voxel) {
     for (std::size_t n = 2; n < polygon.size(); ++n) {
       const Polygon triangle{polygon[0], polygon[n - 1], polygon[n]};
       if (!(area_of(triangle) > 0)) continue;
-      pieces_.push_back(
-          {voxel_of(triangle, voxel), {number(triangle[0]), number(triangle[1]), number(triangle[2])}});
+      pieces_.push_back({voxel, {number(triangle[0]), number(triangle[1]), number(triangle[2])}});
     }
   }
 
@@ -185,11 +188,9 @@ class MeshClipper {
       result.surface.normals_lps.push_back(length > 0 ? std::array{x / length, y / length, z / length}
                                                       : std::array{0.f, 0.f, 1.f});
     }
-    for (const Piece& piece : pieces_) {
-      result.surface.triangles.push_back(piece.corners);
-      if (result.crossed.empty() || result.crossed.back() != piece.voxel)
-        result.crossed.push_back(piece.voxel);
-    }
+    for (const Piece& piece : pieces_) result.surface.triangles.push_back(piece.corners);
+    std::ranges::sort(crossed_);
+    std::ranges::unique_copy(crossed_, std::back_inserter(result.crossed));
     return result;
   }
 
@@ -208,6 +209,7 @@ class MeshClipper {
   std::array<Polygon, 3> below_, above_;
   double total_area_ = 0, kept_area_ = 0;
   std::vector<Piece> pieces_;
+  std::vector<std::int64_t> crossed_;  // once for each triangle
   std::vector<Corner> corners_;
   std::unordered_map<Key, std::uint32_t, KeyHash> number_of_;
 };

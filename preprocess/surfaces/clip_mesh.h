@@ -1,4 +1,4 @@
-// Clipping of external meshes to the voxels of a grid.
+// Clipping of external meshes to a grid.
 #pragma once
 
 #include <cstdint>
@@ -10,17 +10,17 @@
 
 namespace splatlas {
 
-/// A mesh of triangles that each lie in one voxel.
+/// A mesh within a grid.
 struct ClippedMesh {
-  SurfaceMesh surface;                ///< triangles sorted by voxel; positions in units of 1/1024 voxel
-  std::vector<std::int64_t> crossed;  ///< memory offsets of the voxels with triangles; sorted, unique
+  SurfaceMesh surface;                ///< positions in units of 1/1024 voxel
+  std::vector<std::int64_t> crossed;  ///< memory offsets of the voxels that it crosses; sorted, unique
   double outside = 0;                 ///< fraction of the area outside the grid, which is dropped
 };
 
-/// Clips every triangle at the voxel faces, planes at half-integer indices (Sutherland and Hodgman 1974).
-/// Cuts of shared edges are identical, so that adjacent triangles share vertices. A triangle in the plane
-/// between two voxels belongs to the upper one. Uses the normals of the file or vertex_normals(),
-/// interpolated linearly at cuts. kLimit above 2^26 pieces. Cost: linear in the pieces.
+/// Clips triangles at the border of the grid (Sutherland and Hodgman 1974), alike at shared edges, and finds
+/// the voxels that they cross. In the plane between two voxels, that is the upper one. Uses the normals of
+/// the file or vertex_normals(), interpolated linearly at cuts. kLimit above 2^26 crossings of a triangle and
+/// a voxel, to which the cost is linear.
 [[nodiscard]] Result<ClippedMesh> clip_mesh(const TriangleMesh& mesh, const Grid& grid);
 
 }  // namespace splatlas

@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <string>
 
 #include "preprocess/import/meshes/import_mesh.h"
 #include "tests/fuzz/fuzz_target.h"
@@ -29,12 +28,14 @@ void check_mesh(const TriangleMesh& mesh) {
 }
 
 void fuzz_meshes(FuzzInput input) {
-  static const std::array<std::string, 4> kNames{"mesh.stl", "mesh.obj", "mesh.ply", "mesh.gii"};
   const auto choices = input.number<std::uint8_t>();
-  const auto path = write_input_file(kNames[choices % 4], input.rest());
-  const auto mesh = import_mesh(path, (choices & 0x80) != 0 ? MeshFrame::kRas : MeshFrame::kLps);
-  if (!mesh) return require_error(mesh.error(), {ErrorCode::kFailed});
-  check_mesh(*mesh);
+  const auto path = write_input_file("mesh", input.rest());
+  constexpr std::array kFormats{MeshFormat::kStl, MeshFormat::kObj, MeshFormat::kFreeSurfer,
+                                MeshFormat::kGifti};
+  auto file = read_mesh_here(path, kFormats[choices % 4]);
+  if (!file) return require_error(file.error(), {ErrorCode::kFailed});
+  to_lps(file->mesh, (choices & 0x80) != 0 ? MeshFrame::kRas : MeshFrame::kLps);
+  check_mesh(file->mesh);
 }
 
 const FuzzTarget kMeshes("meshes", fuzz_meshes);

@@ -5,12 +5,15 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <regex>
+#include <span>
 #include <string>
 
 #include <vtkCellArray.h>
 #include <vtkDataArray.h>
 #include <vtkFieldData.h>
 #include <vtkNew.h>
+#include <vtkPLYReader.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
 #include <vtkPolyDataReader.h>
@@ -53,19 +56,65 @@ bool is_text_to_vtk(std::string_view head) {
   return 20 * static_cast<std::size_t>(others) < first.size();
 }
 
-/// Binary: 80 bytes, a count, 50 bytes a triangle. Text: "solid", and "facet" soon after.
+/// Binary: 80 bytes, a count, 50 bytes a triangle. Text: "solid", and "facet" soon after, in any case.
 Result<void> check_stl(const fs::path& path) {
   constexpr std::uint64_t kHeader = 84, kTriangle = 50;
   std::error_code error;
   const std::uint64_t size = fs::file_size(path, error);
   const std::string head = first_bytes(path, 1024);
-  if (is_text_to_vtk(head) && head.starts_with("solid") && head.find("facet") != std::string::npos) return {};
+  const std::string text = to_lower(trimmed(head));
+  if (is_text_to_vtk(head) && text.starts_with("solid") && text.find("facet") != std::string::npos) return {};
   if (error || head.size() < kHeader) return bad_file(path, "is not an STL file");
   std::uint32_t triangles = 0;
   std::memcpy(&triangles, &head[80], sizeof(triangles));
   if (size < kHeader + kTriangle * triangles) {
     return bad_file(path, "is no STL file or a truncated one: {} triangles need {} bytes, it has {}",
                     triangles, kHeader + kTriangle * triangles, size);
+  }
+  return {};
+}
+
+/// VTK takes the first two elements for vertices and faces, the lowest byte of a count for the count, unknown
+/// types for no bytes, and what lines of text lack for any number. It notices all other damage.
+Result<void> check_ply(const fs::path& path) {
+  static const std::regex kHeader(
+      "ply|format (ascii|binary_(little|big)_endian) 1.0|(comment|obj_info)( .*)?|element \\S+ \\d{1,9}|"
+      "property (list u?(char|short|int|int8|int16|int32) )?"
+      "(u?(char|short|int|int8|int16|int32)|float|double|float32|float64) \\S+");
+  std::ifstream file(path, std::ios::binary);
+  std::string line;
+  std::size_t number = 0, numbers_of_vertex = 0;
+  std::vector<std::int64_t> counts;
+  bool is_text = false;
+  const auto read_words = [&] {
+    ++number;
+    return std::getline(file, line) ? split_blanks(line = trimmed(line)) : std::vector<std::string_view>();
+  };
+  // Without the line: comments may name a patient.
+  const auto refuse = [&] {
+    return bad_file(path, "line {} is not that of a PLY file of vertices, then faces", number);
+  };
+  for (auto words = read_words(); line != "end_header"; words = read_words()) {
+    is_text = is_text || line == "format ascii 1.0";
+    const bool is_list = words.size() == 5;
+    const bool is_wide = is_list && !words[2].ends_with("char") && !words[2].ends_with("int8");
+    if (words.empty() || !std::regex_match(line, kHeader) || (is_wide && !is_text)) return refuse();
+    if (words[0] == "property" && counts.size() == 1) ++numbers_of_vertex;
+    if (words[0] != "element") continue;
+    if (counts.size() < 2 && words[1] != (counts.empty() ? "vertex" : "face")) return refuse();
+    counts.push_back(*parse_integer(words[2]));
+  }
+  if (counts.size() < 2) return refuse();
+  for (std::int64_t n = 0; is_text && n < counts[0] + counts[1]; ++n) {
+    const auto words = read_words();
+    const bool is_vertex = n < counts[0];
+    const std::int64_t corners = words.empty() ? -1 : parse_integer(words[0]).value_or(-1);
+    const std::size_t needed = is_vertex ? numbers_of_vertex : static_cast<std::size_t>(corners) + 1;
+    const bool fits =
+        is_vertex ? words.size() == needed : corners >= 0 && corners < 256 && words.size() >= needed;
+    if (!fits) return refuse();
+    for (const std::string_view word : std::span(words).first(needed))
+      if (is_vertex ? !parse_number(word) : !parse_integer(word)) return refuse();
   }
   return {};
 }
@@ -94,9 +143,10 @@ Result<vtkSmartPointer<vtkPolyData>> read_polygons(const fs::path& path, MeshFor
   switch (format) {
     case MeshFormat::kStl: SPLATLAS_RETURN_IF_ERROR(check_stl(path)); return read_with<vtkSTLReader>(path);
     case MeshFormat::kObj: return read_obj(path);
-    case MeshFormat::kPly: return read_ply(path);
+    case MeshFormat::kPly: SPLATLAS_RETURN_IF_ERROR(check_ply(path)); return read_with<vtkPLYReader>(path);
     case MeshFormat::kVtp: return read_with<vtkXMLPolyDataReader>(path);
     case MeshFormat::kGifti: return read_gifti(path);
+    case MeshFormat::kFreeSurfer: return read_free_surfer(path);
     case MeshFormat::kVtk: break;
   }
   return read_legacy_vtk(path);
@@ -146,6 +196,16 @@ std::optional<MeshFrame> frame_in(vtkPolyData& polygons, const fs::path& path) {
   return std::nullopt;
 }
 
+/// Of the comment of Mimics and 3-matic: "1 unit = 1000.000000 mm".
+double unit_in(const fs::path& path) {
+  static const std::regex kUnit(R"(1 unit = (\S+) mm)");
+  const std::string head = first_bytes(path, 4096);
+  std::smatch found;
+  const bool has_unit = std::regex_search(head, found, kUnit);
+  const double mm = has_unit ? parse_number(found.str(1)).value_or(1) : 1;
+  return mm > 0 && mm <= kMaxMeshMm ? mm : 1;
+}
+
 TriangleMesh copy_mesh(vtkPolyData& triangles) {
   TriangleMesh mesh;
   const auto points = static_cast<std::size_t>(triangles.GetNumberOfPoints());
@@ -184,7 +244,7 @@ void transfer(auto& archive, TriangleMesh& mesh) {
 
 void transfer(auto& archive, MeshFile& file) {
   transfer(archive, file.mesh);
-  archive(file.frame);
+  archive(file.frame, file.unit_mm);
 }
 
 Result<MeshFormat> mesh_format(const fs::path& path) {
@@ -195,11 +255,12 @@ Result<MeshFormat> mesh_format(const fs::path& path) {
   if (ending == ".vtk") return MeshFormat::kVtk;
   if (ending == ".vtp") return MeshFormat::kVtp;
   if (ending == ".gii") return MeshFormat::kGifti;
-  return bad_file(path, "is of no known type; surfaces end in .stl, .obj, .ply, .vtk, .vtp or .gii");
+  if (first_bytes(path, 3) == "\xff\xff\xfe") return MeshFormat::kFreeSurfer;
+  return bad_file(
+      path, "is of no known type; surfaces end in .stl, .obj, .ply, .vtk, .vtp or .gii, or are FreeSurfer's");
 }
 
 Result<MeshFile> read_mesh_here(const fs::path& path, MeshFormat format) {
-  SPLATLAS_RETURN_IF_ERROR(check_regular_file(path));
   SPLATLAS_ASSIGN_OR_RETURN(const vtkSmartPointer<vtkPolyData> polygons, read_polygons(path, format));
   SPLATLAS_RETURN_IF_ERROR(check_corners(*polygons, path));
   vtkNew<vtkTriangleFilter> triangulate;
@@ -210,7 +271,8 @@ Result<MeshFile> read_mesh_here(const fs::path& path, MeshFormat format) {
     return bad_file(path, "{}", complaint);
   }
   MeshFile file{copy_mesh(*triangulate->GetOutput()), frame_in(*polygons, path)};
-  if (format == MeshFormat::kGifti) file.frame = MeshFrame::kRas;
+  if (format == MeshFormat::kGifti || format == MeshFormat::kFreeSurfer) file.frame = MeshFrame::kRas;
+  if (format == MeshFormat::kObj) file.unit_mm = unit_in(path);
   if (file.mesh.triangles.empty()) return bad_file(path, "holds no triangle");
   return file;
 }
@@ -226,13 +288,6 @@ void to_lps(TriangleMesh& mesh, MeshFrame frame) {
   if (frame == MeshFrame::kLps) return;
   for (Vec3& position : mesh.positions_lps_mm) position = {-position[0], -position[1], position[2]};
   for (std::array<float, 3>& normal : mesh.normals_lps) normal = {-normal[0], -normal[1], normal[2]};
-}
-
-Result<TriangleMesh> import_mesh(const fs::path& path, MeshFrame frame) {
-  SPLATLAS_ASSIGN_OR_RETURN(const MeshFormat format, mesh_format(path));
-  SPLATLAS_ASSIGN_OR_RETURN(MeshFile file, read_mesh_here(path, format));
-  to_lps(file.mesh, frame);
-  return std::move(file.mesh);
 }
 
 std::vector<std::array<float, 3>> vertex_normals(const TriangleMesh& mesh) {

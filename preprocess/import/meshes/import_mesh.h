@@ -11,9 +11,11 @@
 
 namespace splatlas {
 
-enum class MeshFormat { kStl, kObj, kPly, kVtk, kVtp, kGifti };
+/// Written, too, ahead of kVtp.
+enum class MeshFormat { kStl, kObj, kPly, kVtk, kVtp, kGifti, kFreeSurfer };
 
-/// The format by the file's ending: .stl, .obj, .ply, .vtk, .vtp, .gii. kFailed for any other.
+/// The format by the file's ending: .stl, .obj, .ply, .vtk, .vtp, .gii; FreeSurfer's (lh.pial) by its first
+/// bytes. kFailed for any other.
 [[nodiscard]] Result<MeshFormat> mesh_format(const std::filesystem::path& path);
 
 /// Coordinate frame of mesh files.
@@ -36,22 +38,19 @@ struct TriangleMesh {
 /// A mesh in the coordinates of its file.
 struct MeshFile {
   TriangleMesh mesh;               ///< before to_lps()
-  std::optional<MeshFrame> frame;  ///< as the file says: SPACE of 3D Slicer; RAS in GIFTI
+  std::optional<MeshFrame> frame;  ///< as the file says: SPACE of 3D Slicer; RAS of GIFTI and FreeSurfer
+  double unit_mm = 1;              ///< mm per unit, as comments of OBJ files say
 };
 
-/// Reads and triangulates STL, OBJ, PLY, polygons of legacy and XML VTK files, and GIFTI, by the file's
-/// ending. kFailed, in one line, for files that are missing, truncated or of another type, for invalid corner
-/// indices, and without triangles. Prints nothing. VTK reads STL and VTK files only: its readers of OBJ and
-/// PLY trust counts and indices.
+/// Reads and triangulates a surface. kFailed, in one line, for files that are missing, truncated or of
+/// another type, for invalid corner indices, and without triangles. Prints nothing. VTK's reader of PLY files
+/// may crash.
 [[nodiscard]] Result<MeshFile> read_mesh_here(const std::filesystem::path& path, MeshFormat format);
 /// The same in a child, so that no file brings this process down (run_isolated.h).
 [[nodiscard]] Result<MeshFile> read_mesh(const std::filesystem::path& path);
 
 /// Turns coordinates and normals of a frame to LPS. RAS to LPS is a rotation around z: the winding stays.
 void to_lps(TriangleMesh& mesh, MeshFrame frame);
-
-/// read_mesh_here() and to_lps(), whatever frame the file names.
-[[nodiscard]] Result<TriangleMesh> import_mesh(const std::filesystem::path& path, MeshFrame frame);
 
 /// Vertex normals: area-weighted means of the adjacent triangles' normals.
 [[nodiscard]] std::vector<std::array<float, 3>> vertex_normals(const TriangleMesh& mesh);

@@ -93,41 +93,60 @@ MeshFrame guess_frame(const TriangleMesh& mesh, const std::optional<MmBox>& labe
                       Notes& notes) {
   const double lps = labelled ? fraction_within(mesh, MeshFrame::kLps, *labelled) : 0;
   const double ras = labelled ? fraction_within(mesh, MeshFrame::kRas, *labelled) : 0;
-  const MeshFrame frame = ras > lps ? MeshFrame::kRas : MeshFrame::kLps;
-  if (!labelled) {
-    notes.add("mesh-frame",
-              fmt::format("{} (LPS: there are no labels; frame=ras or frame=lps decides)", file.string()));
-    return frame;
-  }
-  notes.add("mesh-frame",
-            fmt::format("{} ({}: {:.0f} % of its points lie among the labels, {:.0f} % as {}; frame=ras or "
-                        "frame=lps decides)",
-                        file.string(), ras > lps ? "RAS" : "LPS", 100 * std::max(lps, ras),
-                        100 * std::min(lps, ras), ras > lps ? "LPS" : "RAS"));
-  return frame;
+  const std::string why = labelled
+                              ? fmt::format("{}: {:.0f} % of its points lie among the labels, {:.0f} % as {}",
+                                            ras > lps ? "RAS" : "LPS", 100 * std::max(lps, ras),
+                                            100 * std::min(lps, ras), ras > lps ? "LPS" : "RAS")
+                              : "LPS: there are no labels";
+  notes.add("mesh-frame", fmt::format("{} ({}; frame=ras or frame=lps decides)", file.string(), why));
+  return ras > lps ? MeshFrame::kRas : MeshFrame::kLps;
 }
 
 }  // namespace
 
 Result<MeshSource> parse_mesh(std::string_view text) {
-  MeshSource source;
-  const std::size_t equals = text.find('=');
-  source.name = std::string(trimmed(text.substr(0, equals)));
-  std::string_view rest = equals == std::string_view::npos ? std::string_view() : text.substr(equals + 1);
-  // Options stand at the end: the name of the file may hold commas.
+  MeshSource source{.name = std::string(text)};  // for messages
+  std::string_view rest = text;
+  std::error_code error;
+  // Options stand at the end: the names of files and structures may hold commas.
   for (std::size_t comma = rest.rfind(','); comma != std::string_view::npos; comma = rest.rfind(',')) {
-    const std::string_view option = rest.substr(comma + 1);
-    if (option.find('=') == std::string_view::npos) break;
+    const std::string_view option = rest.substr(comma + 1), before = rest.substr(0, comma);
+    const bool is_source = before.find('=') != std::string_view::npos || fs::is_directory(before, error);
+    if (option.find('=') == std::string_view::npos || !is_source) break;
     SPLATLAS_RETURN_IF_ERROR(set_option(option, source));
-    rest = rest.substr(0, comma);
+    rest = before;
   }
-  source.file = std::string(rest);
-  if (source.name.empty() || source.file.empty()) {
+  const bool is_folder = fs::is_directory(rest, error);
+  const std::size_t equals = is_folder ? std::string_view::npos : rest.find('=');
+  source.name = is_folder ? "" : std::string(trimmed(rest.substr(0, equals)));
+  source.file = rest.substr(equals + 1);  // all of it without "="
+  if (!is_folder && (equals == std::string_view::npos || source.name.empty() || source.file.empty())) {
     return fail(ErrorCode::kUsage,
-                "--mesh {}: must be NAME=FILE[,frame=ras|lps][,transform=FILE][,scale=S][,color=#rrggbb]",
+                "--mesh {}: must be NAME=FILE or a folder, then "
+                "[,frame=ras|lps][,transform=FILE][,scale=S][,color=#rrggbb]",
                 in_quotes(text));
   }
   return source;
+}
+
+Result<std::vector<MeshSource>> surfaces_of(const MeshSource& source) {
+  if (!source.name.empty()) return std::vector{source};
+  std::vector<MeshSource> surfaces;
+  std::error_code error;
+  for (fs::directory_iterator entry(source.file, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const fs::path& file = entry->path();
+    std::error_code unreadable;
+    if (file.filename().string().starts_with('.') || !entry->is_regular_file(unreadable)) continue;
+    const Result<MeshFormat> format = mesh_format(file);
+    if (!format) continue;
+    MeshSource& surface = surfaces.emplace_back(source);
+    surface.name = (*format == MeshFormat::kFreeSurfer ? file.filename() : file.stem()).string();
+    surface.file = file;
+  }
+  if (surfaces.empty()) return bad_file(source.file, "is a folder without surfaces");
+  std::ranges::sort(surfaces, {}, &MeshSource::file);
+  return surfaces;
 }
 
 Result<TriangleMesh> place_mesh(const MeshSource& source, const std::optional<MmBox>& labelled,
@@ -135,7 +154,7 @@ Result<TriangleMesh> place_mesh(const MeshSource& source, const std::optional<Mm
   SPLATLAS_ASSIGN_OR_RETURN(MeshFile file, read_mesh(source.file));
   TriangleMesh& mesh = file.mesh;
   for (Vec3& position : mesh.positions_lps_mm) {
-    for (double& coordinate : position) coordinate *= source.scale;
+    for (double& coordinate : position) coordinate *= source.scale.value_or(file.unit_mm);
   }
   if (!source.transform.empty()) {
     SPLATLAS_ASSIGN_OR_RETURN(const Affine transform, read_transform(source.transform));

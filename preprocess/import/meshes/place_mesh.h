@@ -14,16 +14,20 @@ namespace splatlas {
 
 /// One --mesh option.
 struct MeshSource {
-  std::string name;
+  std::string name;  ///< empty for a folder
   std::filesystem::path file = {};
   std::optional<MeshFrame> frame = {};   ///< else that of the file, else the one that fits the labels
   std::filesystem::path transform = {};  ///< text file of 4 x 4 numbers; empty for none
-  double scale = 1;                      ///< mm per unit of the file
+  std::optional<double> scale = {};      ///< mm per unit of the file; else its own, or 1
   std::optional<Rgb> color = {};
 };
 
-/// Parses NAME=FILE[,frame=ras|lps][,transform=FILE][,scale=S][,color=#rrggbb]; kUsage otherwise.
+/// Parses NAME=FILE or FOLDER, then [,frame=ras|lps][,transform=FILE][,scale=S][,color=#rrggbb]; kUsage
+/// otherwise.
 [[nodiscard]] Result<MeshSource> parse_mesh(std::string_view text);
+
+/// The surface itself; or those of a folder, called as their files, sorted. kFailed if there is none.
+[[nodiscard]] Result<std::vector<MeshSource>> surfaces_of(const MeshSource& source);
 
 /// Box in LPS mm.
 struct MmBox {

@@ -1,5 +1,5 @@
-// Readers of PLY, OBJ and GIFTI polygons. In damaged text, VTK takes words for 0 and parts of words for
-// corners in PLY and OBJ; gifti_io fills short arrays with zeros.
+// Readers of OBJ, GIFTI and FreeSurfer polygons. VTK takes parts of words for corners in OBJ; gifti_io fills
+// short arrays with zeros.
 #pragma once
 
 #include <filesystem>
@@ -13,6 +13,7 @@
 #include <vtkPolyData.h>
 #include <vtkSmartPointer.h>
 
+#include "format/content/grid.h"
 #include "format/result.h"
 
 namespace splatlas {
@@ -37,15 +38,14 @@ struct PolygonMesh {
   }
 };
 
-/// Reads vertices (x, y, z, optionally nx, ny, nz) and faces (vertex_indices or vertex_index) of a text or
-/// binary PLY file. kFailed for headers without these properties, faces of more than 255 corners, faces
-/// before the vertices, invalid corner indices, and truncated files. One pass; memory as the file.
-[[nodiscard]] Result<vtkSmartPointer<vtkPolyData>> read_ply(const std::filesystem::path& path);
-
-/// Reads vertices, normals and faces of a Wavefront OBJ file, without texture coordinates, lines and
-/// materials. Splits vertices if corners have normals of their own. kFailed, with the line, for corners that
-/// do not exist and vertices without three numbers. Cost: one pass; memory in proportion to the file.
+/// Reads vertices, normals and faces of a Wavefront OBJ file. Normals count if all corners have one: then
+/// vertices are split by them. kFailed, with the line, for vertices that do not exist or lack three numbers.
+/// Cost: one pass; memory in proportion to the file.
 [[nodiscard]] Result<vtkSmartPointer<vtkPolyData>> read_obj(const std::filesystem::path& path);
+
+/// Reads a triangle file of FreeSurfer (lh.pial), in RAS mm of the scanner: points move by the centre of
+/// their volume, if the file has it. kFailed for truncated files.
+[[nodiscard]] Result<vtkSmartPointer<vtkPolyData>> read_free_surfer(const std::filesystem::path& path);
 
 /// Reads the points and triangles of a GIFTI surface (.gii), in RAS mm: ASCII, base64 and compressed arrays.
 /// Points are those of the scanner if the file has a matrix for it. FreeSurfer's move by the centre of their

@@ -1,6 +1,6 @@
-#include <algorithm>
 #include <array>
 #include <fstream>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -17,22 +17,14 @@ namespace {
 
 using Vector = std::array<double, 3>;
 
-/// Numbers from 1 of a vertex, texture coordinate and normal; 0: none.
-using Corner = std::array<std::size_t, 3>;
+/// Numbers from 1 of a vertex and its normal; 0: none.
+using Corner = std::array<std::size_t, 2>;
 
-/// "v", "v/vt", "v//vn" or "v/vt/vn"; negative numbers count back from `counts`.
-std::optional<Corner> parse_corner(std::string_view text, const Corner& counts) {
-  const std::vector<std::string_view> parts = split(text, '/');
-  if (parts.size() > 3) return std::nullopt;
-  Corner corner{};
-  for (std::size_t n = 0; n < parts.size(); ++n) {
-    if (parts[n].empty() && n == 1 && parts.size() == 3) continue;
-    const auto number = parse_integer(parts[n]);
-    const auto count = static_cast<std::int64_t>(counts[n]);
-    if (!number || *number == 0 || *number > count || *number < -count) return std::nullopt;
-    corner[n] = static_cast<std::size_t>(*number > 0 ? *number : count + 1 + *number);
-  }
-  return corner;
+/// 0 for a number that is not among `count`; negative ones count back.
+std::size_t number_among(std::string_view text, std::size_t count) {
+  const std::int64_t number = parse_integer(text).value_or(0), last = static_cast<std::int64_t>(count);
+  if (number > last || number < -last) return 0;
+  return static_cast<std::size_t>(number < 0 ? last + 1 + number : number);
 }
 
 std::optional<Vector> parse_vector(const std::vector<std::string_view>& words) {
@@ -47,8 +39,8 @@ std::optional<Vector> parse_vector(const std::vector<std::string_view>& words) {
 
 struct ObjFile {
   std::vector<Vector> vertices, normals;
-  std::size_t texture_coordinates = 0;
   std::vector<std::vector<Corner>> faces;
+  bool has_normals = true;  ///< at all corners
 
   /// The error of a line; empty if there is none.
   std::string add_line(const std::vector<std::string_view>& words) {
@@ -57,48 +49,35 @@ struct ObjFile {
       if (!vector) return "needs three numbers";
       (words[0] == "v" ? vertices : normals).push_back(*vector);
     }
-    if (words[0] == "vt") ++texture_coordinates;
     if (words[0] != "f") return {};
     std::vector<Corner>& face = faces.emplace_back();
     for (const std::string_view word : std::span(words).subspan(1)) {
-      const auto corner = parse_corner(word, {vertices.size(), texture_coordinates, normals.size()});
-      if (!corner) return fmt::format("corner '{}' does not exist", word);
-      face.push_back(*corner);
+      const std::vector<std::string_view> parts = split(word, '/');  // v, v/vt, v//vn or v/vt/vn
+      const Corner corner{number_among(parts[0], vertices.size()),
+                          parts.size() == 3 ? number_among(parts[2], normals.size()) : 0};
+      if (corner[0] == 0) return fmt::format("corner '{}' does not exist", word);
+      face.push_back(corner);
+      has_normals = has_normals && corner[1] != 0;
     }
     return {};
   }
 
-  template <typename Predicate>
-  [[nodiscard]] bool all_corners(const Predicate& predicate) const {
-    return std::ranges::all_of(faces, [&](const auto& face) { return std::ranges::all_of(face, predicate); });
-  }
-
-  [[nodiscard]] PolygonMesh mesh() const {
-    const bool has_normals = all_corners([](const Corner& corner) { return corner[2] != 0; });
-    const bool is_shared =
-        (!has_normals || normals.size() == vertices.size()) && all_corners([&](const auto& corner) {
-          return (corner[1] == 0 || corner[1] == corner[0]) && (!has_normals || corner[2] == corner[0]);
-        });
+  [[nodiscard]] vtkSmartPointer<vtkPolyData> poly_data() const {
     PolygonMesh mesh;
-    const auto add_point = [&](const Vector& vertex) { mesh.points->InsertNextPoint(vertex.data()); };
-    const auto add_normal = [&](const Vector& normal) { mesh.normals->InsertNextTuple(normal.data()); };
-    if (is_shared) std::ranges::for_each(vertices, add_point);
-    if (is_shared && has_normals) std::ranges::for_each(normals, add_normal);
+    std::map<Corner, vtkIdType> points;
     std::vector<vtkIdType> corners;
     for (const std::vector<Corner>& face : faces) {
       corners.clear();
-      for (const Corner& corner : face) {
-        if (!is_shared) {
-          add_point(vertices[corner[0] - 1]);
-          if (has_normals) add_normal(normals[corner[2] - 1]);
-        }
-        const vtkIdType vertex =
-            is_shared ? static_cast<vtkIdType>(corner[0]) : mesh.points->GetNumberOfPoints();
-        corners.push_back(vertex - 1);
+      for (const auto& [vertex, normal] : face) {
+        const auto [point, is_new] =
+            points.try_emplace({vertex, has_normals ? normal : 0}, mesh.points->GetNumberOfPoints());
+        if (is_new) mesh.points->InsertNextPoint(vertices[vertex - 1].data());
+        if (is_new && has_normals) mesh.normals->InsertNextTuple(normals[normal - 1].data());
+        corners.push_back(point->second);
       }
       mesh.add_polygon(corners);
     }
-    return mesh;
+    return mesh.poly_data();
   }
 };
 
@@ -120,7 +99,7 @@ Result<vtkSmartPointer<vtkPolyData>> read_obj(const std::filesystem::path& path)
       return bad_file(path, "line {}: {}", number, error);
   }
   if (obj.faces.empty()) return bad_file(path, "is not an OBJ file, or has no face");
-  return obj.mesh().poly_data();
+  return obj.poly_data();
 }
 
 }  // namespace splatlas

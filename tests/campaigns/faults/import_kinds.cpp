@@ -101,6 +101,7 @@ const std::vector<ImportKind>& import_kinds() {
       {".obj", {".obj"}, import_surface},
       {".ply", {".ply"}, import_surface},
       {".gii", {".gii"}, import_surface},
+      {"FreeSurfer", {".pial"}, import_surface},
       {"names", {".txt", ".label", ".ctbl", ".csv", ".tsv", ".json", ".lut"}, import_names},
       {"trees", {".json", ".csv", ".tsv", ".tree"}, import_tree}};
   return kKinds;

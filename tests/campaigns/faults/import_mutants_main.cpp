@@ -87,6 +87,9 @@ void write_own_imports(const fs::path& folder) {
       "</DataArray></Points><Polys><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 1 2"
       "</DataArray><DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">3</DataArray></Polys></Piece>"
       "</PolyData></VTKFile>\n");
+  write(folder / "lh.pial", "\377\377\376a\n\n" + big_endian(3) + big_endian(1) + std::string(36, '@') +
+                                big_endian(0) + big_endian(1) + big_endian(2) +
+                                "valid = 1\ncras   = 1 2 3\n");
   const std::string mask = deflated(nifti_by_sform(placed(Body(), {})), true);
   for (const char* name : {"liver.nii.gz", "spleen.nii.gz", "aorta.nii.gz"})
     write(folder / "masks" / name, mask);

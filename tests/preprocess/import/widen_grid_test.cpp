@@ -171,5 +171,40 @@ TEST_F(WidenGrid, SurfacesAloneHaveAGridOfTheirOwn) {
   }
 }
 
+TEST_F(WidenGrid, SurfacesOfAFolderAreNamedByTheTable) {
+  std::filesystem::create_directories(folder_.file("a,b"));
+  for (const std::string name : {"lung.l.obj", ".hidden.obj", "notes.txt", "Spine.obj"})
+    write_bytes(folder_.file("a,b/" + name), cuboid({0, 0, 0}, {9, 9, 9}, [](const Vec3& mm) { return mm; }));
+  write_bytes(folder_.file("names.csv"), "name,color\nspine,#cc6666\nlung.l,#cc3333\nspleen,#000000\n");
+  SourceFiles files;
+  files.names = folder_.file("names.csv");
+  const auto structures = [&](const std::string& options) {
+    files.meshes = {*parse_mesh(folder_.file("a,b") + options)};
+    std::vector<std::string> found;
+    for (const SourceStructure& structure : import(files).structures)
+      found.push_back(structure.name + to_hex(*structure.color) + (structure.external ? " external" : ""));
+    return found;
+  };
+  EXPECT_THAT(structures(""), ElementsAre("spine#cc6666 external", "lung.l#cc3333 external"));
+  EXPECT_THAT(structures(",scale=2,color=#010203"),
+              ElementsAre("spine#010203 external", "lung.l#010203 external"));
+  EXPECT_THAT(list_files(files), testing::Contains(folder_.file("a,b/Spine.obj")));
+  EXPECT_EQ(parse_mesh("A,b=c,d.stl,scale=2")->name, "A,b");
+}
+
+TEST_F(WidenGrid, UnlikelySizesNameAScale) {
+  write_bytes(folder_.file("labels.nrrd"), nrrd_in(placed(Body(), {}), "LPS"));
+  write_bytes(folder_.file("a.obj"), cuboid({0, 0, 0}, {30, 20, 10}, [](const Vec3& mm) { return mm; }));
+  SourceFiles files;
+  files.labels = folder_.file("labels.nrrd");
+  for (const auto& [scale, unit] : {std::pair(1e-3, "m"), std::pair(1e3, "um")}) {
+    files.meshes = {{.name = "Box", .file = folder_.file("a.obj"), .scale = scale}};
+    Notes notes;
+    static_cast<void>(import_sources(files, notes));
+    EXPECT_THAT(messages_of(notes),
+                testing::Contains(HasSubstr(fmt::format("scale=1 if its unit is {})", unit))));
+  }
+}
+
 }  // namespace
 }  // namespace splatlas
