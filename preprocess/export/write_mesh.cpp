@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -55,20 +54,11 @@ vtkNew<vtkPolyData> to_polygons(std::span<const SurfaceMesh> surfaces, const Gri
   return polygons;
 }
 
-/// "smoothed 1" if any surface is smoothed; else empty.
-std::string comment_of(std::span<const SurfaceMesh> surfaces) {
-  constexpr auto kSmooth = static_cast<std::uint32_t>(SurfaceRule::kSmooth);
-  return std::ranges::count(surfaces, kSmooth, &SurfaceMesh::position_scale) > 0 ? "smoothed 1" : "";
-}
-
 template <typename Writer>
-bool write_with(vtkPolyData& polygons, const std::string& comment, const fs::path& path) {
+bool write_with(vtkPolyData& polygons, const fs::path& path) {
   vtkNew<Writer> writer;
   writer->SetInputData(&polygons);
   writer->SetFileName(path.c_str());
-  if constexpr (requires { writer->SetHeader(comment.c_str()); }) {
-    if (!comment.empty()) writer->SetHeader(comment.c_str());
-  }
   if constexpr (requires { writer->SetFileTypeToBinary(); }) writer->SetFileTypeToBinary();
   return update_quietly(*writer).empty();
 }
@@ -81,12 +71,11 @@ void append(T value, std::vector<std::byte>& bytes) {
 
 /// Binary PLY; false if bytes are lost. VTK's writer appends ".ply" to other file names, and its output to
 /// memory is empty.
-Result<bool> write_ply(vtkPolyData& polygons, const std::string& comment, OutputFile& file) {
+Result<bool> write_ply(vtkPolyData& polygons, OutputFile& file) {
   const std::string header = fmt::format(
-      "ply\nformat binary_little_endian 1.0\n{}{}{}element vertex {}\nproperty float x\nproperty float y\n"
+      "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\n"
       "property float z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
-      comment.empty() ? "" : "comment ", comment, comment.empty() ? "" : "\n", polygons.GetNumberOfPoints(),
-      polygons.GetNumberOfPolys());
+      polygons.GetNumberOfPoints(), polygons.GetNumberOfPolys());
   SPLATLAS_RETURN_IF_ERROR(file.write(std::as_bytes(std::span(header))));
   std::vector<std::byte> bytes;
   TaskPace pace;
@@ -106,25 +95,15 @@ Result<bool> write_ply(vtkPolyData& polygons, const std::string& comment, Output
   return fs::file_size(file.temporary(), error) == header.size() + bytes.size();
 }
 
-/// VTK's writer has no comments of its own.
-bool write_obj(vtkPolyData& polygons, const std::string& comment, const fs::path& path) {
-  if (!write_with<vtkOBJWriter>(polygons, comment, path)) return false;
-  if (comment.empty()) return true;
-  std::ofstream end(path, std::ios::binary | std::ios::app);
-  end << "# " << comment << '\n' << std::flush;
-  return end.good();
-}
-
 /// Returns VTK's success.
-Result<bool> write_as(MeshFormat format, vtkPolyData& polygons, const std::string& comment,
-                      OutputFile& file) {
+Result<bool> write_as(MeshFormat format, vtkPolyData& polygons, OutputFile& file) {
   switch (format) {
-    case MeshFormat::kStl: return write_with<vtkSTLWriter>(polygons, comment, file.temporary());
-    case MeshFormat::kObj: return write_obj(polygons, comment, file.temporary());
-    case MeshFormat::kPly: return write_ply(polygons, comment, file);
-    default: break;  // kVtk: writable_mesh_format() refuses the others
+    case MeshFormat::kStl: return write_with<vtkSTLWriter>(polygons, file.temporary());
+    case MeshFormat::kObj: return write_with<vtkOBJWriter>(polygons, file.temporary());
+    case MeshFormat::kPly: return write_ply(polygons, file);
+    default: break;  // writable_mesh_format() refuses all but VTK's
   }
-  return write_with<vtkPolyDataWriter>(polygons, comment, file.temporary());
+  return write_with<vtkPolyDataWriter>(polygons, file.temporary());
 }
 
 /// The coordinate farthest from 0.
@@ -175,7 +154,7 @@ Result<OutputFile> write_mesh(std::span<const SurfaceMesh> surfaces, const Grid&
   if (std::abs(largest_mm) > kMaxMeshMm || rounding_step_mm(largest_mm) > kMaxStep * edge_mm)
     return too_far(path, largest_mm, edge_mm);
   SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, OutputFile::create(path));
-  SPLATLAS_ASSIGN_OR_RETURN(const bool written, write_as(format, *polygons, comment_of(surfaces), file));
+  SPLATLAS_ASSIGN_OR_RETURN(const bool written, write_as(format, *polygons, file));
   // Read back: VTK detects a full disk only for some formats, and lost bytes for none.
   const auto back = read_mesh_here(file.temporary(), format);
   const auto triangles = static_cast<std::size_t>(polygons->GetNumberOfPolys());

@@ -16,7 +16,7 @@ namespace splatlas {
 [[nodiscard]] Result<MeshFormat> writable_mesh_format(const std::filesystem::path& path);
 
 /// Writes all surfaces, in LPS mm, to one .stl, .ply, .vtk (all binary) or .obj file, up to commit_files();
-/// with normals if the format supports them. If any surface is smoothed, the file's comment is "smoothed 1".
+/// with normals if the format supports them.
 /// `grid` is the storage grid. kFailed for coordinates at which single precision cannot tell corners apart.
 [[nodiscard]] Result<OutputFile> write_mesh(std::span<const SurfaceMesh> surfaces, const Grid& grid,
                                             const std::filesystem::path& path);
