@@ -1,7 +1,6 @@
 #include "preprocess/import/meshes/import_mesh.h"
 
 #include <cmath>
-#include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,7 +16,6 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
-using testing::Not;
 
 class ImportMesh : public testing::Test {
  protected:

@@ -1,6 +1,5 @@
 // Surfaces in RAS beside labels in LPS, transforms and scales.
 #include <array>
-#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
