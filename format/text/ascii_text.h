@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "format/result.h"  // printable()
 
@@ -85,5 +86,11 @@ template <std::size_t n>
 
 /// Printable text in double quotes, truncated to 80 bytes with "...".
 [[nodiscard]] std::string in_quotes(std::string_view text);
+
+/// Removes white space at both ends.
+[[nodiscard]] std::string_view trimmed(std::string_view text);
+/// Splits at `separator` into trimmed parts; "a,,b" has three. The parts refer to `text`.
+[[nodiscard]] std::vector<std::string_view> split(std::string_view text, char separator);
+std::vector<std::string_view> split(std::string&& text, char separator) = delete;
 
 }  // namespace splatlas

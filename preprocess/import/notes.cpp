@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "preprocess/import/tables/text_file.h"
+#include "format/text/ascii_text.h"
 
 namespace splatlas {
 namespace {

@@ -16,7 +16,6 @@ using reference::GreyAppearance;
 using reference::GreyTruth;
 using reference::MaskedVolume;
 using reference::PerspectiveView;
-using reference::ReferencePicture;
 
 /// One display for all tests of this program.
 class VtkPeerTest : public testing::TestWithParam<VtkVolumeMapper> {

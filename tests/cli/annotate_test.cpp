@@ -1,7 +1,5 @@
 // Annotated pictures and documents from the command line.
 
-#include <cstring>
-
 #include <gmock/gmock.h>
 
 #include "tests/cli/hostile_atlas.h"
@@ -122,15 +120,6 @@ TEST_F(Annotate, BreaksLongTextsInTime) {
   EXPECT_EQ(letters_of(read_bytes(folder.file("a.svg"))), 4003u) << "cut off with an ellipsis";
 }
 
-TEST_F(Annotate, WritesSvgWithText) {
-  ASSERT_EQ(
-      render(joined(kScene, {"-o", "a.svg", "--annotate", "labels", "--background", "transparent"})).status,
-      0);
-  const std::string svg = read_bytes(folder.file("a.svg"));
-  EXPECT_THAT(svg, HasSubstr(">Sphere 1</text>"));
-  EXPECT_THAT(svg, HasSubstr("data:image/png;base64,iVBORw0KGgo"));
-}
-
 TEST_F(Annotate, StoresTheResolution) {
   ASSERT_EQ(render({"-o", "a.png", "--dpi", "300", "--size", "64x64"}).status, 0);
   const auto input = OIIO::ImageInput::open(folder.file("a.png"));
@@ -139,31 +128,6 @@ TEST_F(Annotate, StoresTheResolution) {
   EXPECT_NEAR(input->spec().get_float_attribute("XResolution") *
                   (input->spec().get_string_attribute("ResolutionUnit") == "cm" ? 2.54 : 1),
               300, 0.5);
-}
-
-TEST_F(Annotate, ExplainsWrongOptions) {
-  const std::vector<std::pair<Words, std::string>> cases{
-      {{"--annotate", "labels,arrows"},
-       "\"arrows\" is no annotation; use labels, legend, scalebar, orientation, caption, citation, or all"},
-      {{"--annotate", ""}, "\"\" is no annotation"},
-      {{"--caption", "x"}, "--annotate"},
-      {{"--annotate", "caption", "--caption", "a\xff"}, "must be one line of visible UTF-8 characters"},
-      {{"--annotate", "caption", "--caption", "a\nb"}, "must be one line of visible UTF-8 characters"},
-      {{"--annotate", "labels", "--max-labels", "-1"}, "--max-labels"},
-      {{"--annotate", "labels", "--dpi", "9"}, "--dpi \"9\": must be a number from 72 to 2400"},
-      {{"--annotate", "all", "--size", "50x40"}, "picture size 50x40: too small for its annotations"}};
-  for (const auto& [options, message] : cases) {
-    const ProgramResult result = render(joined({"-o", "x.png"}, options));
-    EXPECT_EQ(result.status, 2) << result.err;
-    EXPECT_THAT(result.err, HasSubstr(message));
-  }
-  const ProgramResult no_font = render({"-o", "x.pdf", "--annotate", "caption", "--font", "none.ttf"});
-  EXPECT_EQ(no_font.status, 1);
-  EXPECT_THAT(no_font.err, HasSubstr("none.ttf: No such file or directory; give a .ttf"));
-  const ProgramResult bad_font = render({"-o", "x.png", "--annotate", "caption", "--font", phantom_atlas()});
-  EXPECT_EQ(bad_font.status, 1);
-  EXPECT_THAT(bad_font.err, HasSubstr("cannot be read as a font with letters"));
-  EXPECT_THAT(folder.names(), testing::IsEmpty());
 }
 
 }  // namespace

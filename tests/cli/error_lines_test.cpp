@@ -31,7 +31,7 @@ struct ErrorLines : testing::Test {
   ErrorLines() {
     for (const std::string name : {"labels.nrrd", "volume.nrrd"})
       fs::copy_file(phantom_folder().file(name), folder.file(name));
-    fs::copy_file(phantom_atlas(), folder.file("a.atlas"));
+    for (const std::string name : {"a.atlas", "a.nii"}) fs::copy_file(phantom_atlas(), folder.file(name));
     write_bytes(folder.file("bad.atlas"), "x");
     write_bytes(folder.file("cut.atlas"), read_bytes(phantom_atlas()).substr(0, 3000));
     write_bytes(folder.file("bad.nrrd"), "NRRD0004\n");
@@ -123,7 +123,14 @@ TEST_F(ErrorLines, OfRender) {
       {{"render", "cut.atlas", "-o", "x.png"}, 3, "cut.atlas: ", "3000"},
       {{"render", "a.atlas", "-o", ""}, 2, "--output \"\"", "must name a file"},
       {{"render", "a.atlas", "-o", "x.bmp"}, 2, "x.bmp: ", ".png, .jpg, .tif, .exr, .svg or .pdf"},
-      {{"render", "a.atlas", "-o", "full/file/x.png"}, 1, "full/file/x.png: "},
+      {{"render", "missing.atlas", "-o", "full/file/x.png"}, 1, "full/file/x.png: cannot be written: "},
+      {{"render", "missing.atlas", "-o", "x.png", "--stats", "./x.png"},
+       2,
+       "./x.png: ",
+       "write to two files"},
+      {{"render", "a.atlas", "-o", "x.png", "--stats", "a.atlas"}, 2, "a.atlas: is an input (a.atlas)"},
+      {{"render", "a.atlas", "-o", "x.png", "--ids", "./x.png"}, 2, "./x.png: is another output"},
+      {{"render", "a.atlas", "-o", "x.exr", "--depth", "./x.exr"}, 2, "./x.exr: is another output"},
       {{"render", "a.atlas", "-o", "x\xe2\x80\x8f.bmp"}, 2, "x?.bmp: "},
       {{"bogus", "render", "a.atlas", "-o", "x.png"}, 2, "\"bogus\" in front of render"},
       {{"--threads", "2", "info", "a.atlas"}, 2, "\"--threads\" in front of info"}};
@@ -168,7 +175,29 @@ TEST_F(ErrorLines, OfRender) {
           "--field-of-view 150", "too wide for surfaces");
   for (const std::string option : {"--size", "--shading", "--depth-cue", "--stats"})
     refuses({option, ""}, option, "");
-  refuses({"--stats", "./x.png"}, "./x.png: ", "write to two files");
+  refuses({"--ids", "i.jpg"}, "i.jpg: unknown ending '.jpg' of an id image; use .png or .exr", "");
+  refuses({"--depth", "d.png"}, "d.png: unknown ending '.png' of a depth map; use .exr", "");
+  for (const std::string text : {"1,2", "1,2,3,4", "1, 2,3", "nan,0,0", "0,inf,0", "0,0,1e16", ","})
+    refuses({"--center=" + text}, "--center \"" + text + "\": must be X,Y,Z", "");
+  refuses({"--center", ""}, "--center \"\": must be X,Y,Z", "");
+  refuses({"--center", "Spere 1"}, "a.atlas: --center: no structure is called \"Spere 1\"", "Sphere 1", 4);
+  refuses({"--fit", "all"}, "--fit \"all\"", "selection or grid");
+  refuses({"--select", "#2:surface", "--zoom", "1e6"}, "--zoom 1000000: multiplied by ", "");
+  refuses(
+      {"--annotate", "labels,arrows"}, "--annotate",
+      "\"arrows\" is no annotation; use labels, legend, scalebar, orientation, caption, citation, or all");
+  refuses({"--annotate", ""}, "--annotate", "\"\" is no annotation");
+  refuses({"--caption", "x"}, "--caption", "--annotate");
+  for (const std::string text : {"a\xff", "a\nb"})
+    refuses({"--annotate", "caption", "--caption", text}, "--caption",
+            "one line of visible UTF-8 characters");
+  refuses({"--annotate", "labels", "--max-labels", "-1"}, "--max-labels", "");
+  refuses({"--annotate", "labels", "--dpi", "9"}, "--dpi \"9\": must be a number from 72 to 2400", "");
+  refuses({"--annotate", "all", "--size", "50x40"}, "picture size 50x40: too small for its annotations", "");
+  refuses({"--annotate", "caption", "--font", "none.ttf"}, "none.ttf: No such file or directory; give a .ttf",
+          "", 1);
+  refuses({"--annotate", "caption", "--font", "bad.stl"}, "bad.stl: cannot be read as a font with letters",
+          "", 1);
   refuses({"--stats", "none/s.json"}, "none/s.json: ", "no folder none", 1);
   refuses({"--none"}, "", "--none; see splatlas-player render --help");
   check_player(cases);
@@ -190,9 +219,17 @@ TEST_F(ErrorLines, OfPreprocessCommandsAndExport) {
        {{"export", "missing.atlas", "--labels", "x.nii"}, 1, "missing.atlas: "},
        {{"export", "bad.atlas", "--labels", "x.nii"}, 3, "bad.atlas: "},
        {{"export", "cut.atlas", "--labels", "x.nii"}, 3, "cut.atlas: "},
-       {{"export", "a.atlas", "--labels", "x.foo"}, 2, "x.foo: ", ".nii.gz"},
+       {{"export", "bad.atlas", "--labels", "x.foo"}, 2, "x.foo: ", ".nii.gz"},
        {{"export", "a.atlas", "--labels", "full/"}, 1, "full/: ", "not an empty folder"},
-       {{"export", "a.atlas", "--labels", "none/x.nii"}, 1, "none/x.nii: ", "no folder none"},
+       {{"export", "a.atlas", "--labels", "l.nii", "--volume", "none/x.nii"}, 1, "none/x.nii: ", "no folder"},
+       {{"export", "a.nii", "--labels", "a.nii"}, 2, "a.nii: is an input (a.nii)"},
+       {{"export", "a.atlas", "--surface", "#1=s.stl", "--surface", "#2=s.stl"},
+        2,
+        "s.stl: is another output"},
+       {{"export", "a.atlas", "--labels", "m/", "--surface", "#1=m/s.stl"},
+        2,
+        "m/s.stl: ",
+        "folder of masks"},
        {{"export", "a.atlas", "--volume", "x.mhd"}, 2, "x.mhd: ", "write .mha"},
        {{"export", "a.atlas", "--surfaces", "round"}, 2, "--surfaces \"round\"", "must be smooth or voxels"},
        {{"export", "a.atlas", "--surface", "x"}, 2, "--surface 'x'", "NAME=FILE"},
@@ -247,6 +284,7 @@ TEST_F(ErrorLines, OfBuild) {
   refuses({"--mesh", "A=a.stl,size=3"}, "--mesh", "size=3 is no option", 2);
   refuses({"--mesh", "A=a.stl,scale=0"}, "--mesh", "scale=0 must be a number above 0", 2);
   refuses({"--json", "labels.nrrd"}, "labels.nrrd", "is an input", 2);
+  refuses({"--mesh", "A=a.stl,transform=tab.txt", "--report", "tab.txt"}, "tab.txt: is an input", "", 2);
   refuses({"--report", "x.atlas"}, "x.atlas", "", 2);
   refuses({"--json", "none/x.json"}, "none/x.json", "no folder");
   refuses({"--title", "\x1b"}, "--title: \"?\"", "control character", 2);

@@ -4,8 +4,6 @@
 #include <string>
 #include <vector>
 
-#include <gtest/gtest.h>
-
 #include "format/atlas_writer.h"
 #include "format/content/structure_graph.h"
 #include "tests/support/file_bytes.h"

@@ -15,7 +15,6 @@
 namespace splatlas {
 namespace {
 
-using testing::HasSubstr;
 using testing::IsEmpty;
 
 /// Id images of the phantom, in a folder.
@@ -23,11 +22,6 @@ class PlayerIds : public testing::Test {
  protected:
   [[nodiscard]] ProgramResult run(const Words& words) const {
     return run_player(joined({"render", phantom_atlas(), "--size", "40x30"}, words), folder_.path());
-  }
-  void expect_refused(const Words& words, const std::string& message) const {
-    const ProgramResult result = run(words);
-    EXPECT_EQ(result.status, 2);
-    EXPECT_THAT(result.err, HasSubstr(message));
   }
   /// Numbers of an image of 16 bits.
   [[nodiscard]] std::vector<int> numbers(const std::string& name) const {
@@ -83,15 +77,6 @@ TEST_F(PlayerIds, AreNotInStatisticsUnlessAskedFor) {
   EXPECT_FALSE(nlohmann::json::parse(bytes("s.json")).contains("ids"));
 }
 
-TEST_F(PlayerIds, RefuseOtherFormatsAndFiles) {
-  expect_refused({"-o", "p.png", "--ids", "ids.jpg"},
-                 "ids.jpg: unknown ending '.jpg' of an id image; use .png or .exr");
-  expect_refused({"-o", "p.png", "--ids", "./p.png"}, "is another output");
-  const ProgramResult nowhere = run({"-o", "p.png", "--ids", "nowhere/ids.png"});
-  EXPECT_EQ(nowhere.status, 1);
-  EXPECT_THAT(folder_.names(), IsEmpty());
-}
-
 /// A surface alone covers each pixel or none: depths are finite where the picture is opaque. The surfaces
 /// that are seen lie in front of the middle.
 TEST_F(PlayerIds, StandBesideDepthsInMillimetres) {
@@ -118,13 +103,6 @@ TEST_F(PlayerIds, StandBesideDepthsInMillimetres) {
   }
   EXPECT_GT(covered, 100u);
   EXPECT_GT(sum, 0);
-}
-
-TEST_F(PlayerIds, RefuseDepthsInOtherFormatsAndFiles) {
-  expect_refused({"-o", "p.png", "--depth", "d.png"},
-                 "d.png: unknown ending '.png' of a depth map; use .exr");
-  expect_refused({"-o", "p.exr", "--depth", "./p.exr"}, "is another output");
-  EXPECT_THAT(folder_.names(), IsEmpty());
 }
 
 }  // namespace

@@ -12,7 +12,6 @@ namespace splatlas {
 namespace {
 
 using nlohmann::json;
-using ::testing::HasSubstr;
 
 json phantom_info() {
   const ProgramResult info = run_player({"info", phantom_atlas(), "--json"});

@@ -5,7 +5,6 @@
 #include <fstream>
 
 #include <gmock/gmock.h>
-#include <nlohmann/json.hpp>
 
 #include "tests/cli/phantom_atlas.h"
 #include "tests/cli/read_pixels.h"
@@ -14,8 +13,6 @@
 
 namespace splatlas {
 namespace {
-
-using testing::HasSubstr;
 using testing::IsEmpty;
 
 constexpr int kSide = 100;  // of the pictures, in pixels
@@ -125,25 +122,6 @@ TEST_F(PlayerFraming, AGroupWithoutVoxelsHasNoCentre) {
   EXPECT_EQ(refused.err,
             "splatlas-player: g.atlas: --center: \"Empty\" has no voxels; name another structure\n");
   EXPECT_FALSE(std::filesystem::exists(folder_.file("x.png")));
-}
-
-TEST_F(PlayerFraming, RefusesWhatIsNoCentre) {
-  const auto refused = [&](const Words& options, int status) {
-    const ProgramResult result = run(options);
-    EXPECT_EQ(result.status, status) << result.err;
-    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-    EXPECT_THAT(folder_.names(), IsEmpty());
-    return result.err;
-  };
-  for (const std::string text : {"1,2", "1,2,3,4", "1, 2,3", "nan,0,0", "0,inf,0", "0,0,1e16", ","}) {
-    EXPECT_THAT(refused({"--center=" + text}, 2), HasSubstr("--center \"" + text + "\": must be X,Y,Z"));
-  }
-  EXPECT_THAT(refused({"--center", ""}, 2), HasSubstr("--center \"\": must be X,Y,Z"));
-  EXPECT_THAT(
-      refused({"--center", "Spere 1"}, 4),
-      testing::AllOf(HasSubstr("--center: no structure is called \"Spere 1\""), HasSubstr("Sphere 1")));
-  EXPECT_THAT(refused({"--fit", "all"}, 2), HasSubstr("selection or grid"));
-  EXPECT_THAT(refused(joined(kBall, {"--zoom", "1e6"}), 2), HasSubstr("--zoom 1000000: multiplied by "));
 }
 
 }  // namespace

@@ -57,11 +57,6 @@ TEST_F(PlayerRender, ShowsAnAtlasWithoutStructures) {
     EXPECT_EQ(rendered.err, kNothingSelected);
     EXPECT_THAT(pixels("zero.png"), testing::Each(0));
   }
-  for (const std::string text : {"A", "A*"}) {
-    const ProgramResult refused = run({"render", "zero.atlas", "-o", "none.png", "--select", text});
-    EXPECT_EQ(refused.status, 4);
-    EXPECT_THAT(refused.err, HasSubstr("there are none"));
-  }
 }
 
 TEST_F(PlayerRender, WritesEveryFormat) {
@@ -148,22 +143,14 @@ TEST_F(PlayerRender, WarnsOfPicturesThatShowNothing) {
 }
 
 TEST_F(PlayerRender, WarnsOfHiddenTerms) {
-  const auto warnings_of = [&](const std::string& text) {
-    const ProgramResult result =
-        run({"render", phantom_atlas(), "-o", "w.png", "--size", "8x8", "--select", text});
-    EXPECT_EQ(result.status, 0);
-    return result.err;
-  };
-  EXPECT_EQ(
-      warnings_of("\"Sphere 1\" + Phantom"),
-      "warning: selection, column 1: \"Sphere 1\" has no effect: the later \"Phantom\" selects the same in "
-      "the same way; write \"Sphere 1\" after it, with a mode, opacity or color of its own\n");
-  EXPECT_EQ(warnings_of("Phantom + \"Sphere 1\":surface"), "");
   std::string many = "#1";
   for (int n = 0; n < 8; ++n) many += " + #1";
-  const std::string lines = warnings_of(many);
-  EXPECT_EQ(std::count(lines.begin(), lines.end(), '\n'), 6);
-  EXPECT_THAT(lines, HasSubstr("warning: selection: 3 more terms are hidden\n"));
+  const ProgramResult result =
+      run({"render", phantom_atlas(), "-o", "w.png", "--size", "8x8", "--select", many});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_THAT(result.err, StartsWith("warning: selection, column 1: \"#1\" has no effect: "));
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 6);
+  EXPECT_THAT(result.err, HasSubstr("warning: selection: 3 more terms are hidden\n"));
 }
 
 /// The last chunk holds Sphere 2's values.

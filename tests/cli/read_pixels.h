@@ -1,8 +1,6 @@
 // Pictures read back through OpenImageIO.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -21,13 +19,6 @@ inline std::vector<float> read_pixels(const std::string& path) {
   std::vector<float> pixels(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height) *
                             static_cast<std::size_t>(spec.nchannels));
   return input->read_image(0, 0, 0, -1, OIIO::TypeDesc::FLOAT, pixels.data()) ? pixels : std::vector<float>{};
-}
-
-/// Maximum difference of two pictures of one size.
-inline float largest_difference(const std::vector<float>& a, const std::vector<float>& b) {
-  float largest = 0;
-  for (std::size_t n = 0; n < a.size(); ++n) largest = std::max(largest, std::abs(a[n] - b[n]));
-  return largest;
 }
 
 }  // namespace splatlas

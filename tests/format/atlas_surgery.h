@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "format/codec/chunk_codec.h"
-#include "format/codec/run_codec.h"
 #include "format/file/directory.h"
 #include "format/file/file_layout.h"
 #include "format/io/checksum.h"
@@ -124,19 +123,6 @@ inline void replace_streams(AtlasParts& parts, SectionKind kind, const std::vect
     return;
   }
   throw std::invalid_argument("the file has no such section");
-}
-
-/// Changes the run list in the stream of a class, and its length.
-template <typename Change>
-void edit_run_list(AtlasParts& parts, ClassId c, Axis axis, const Change& change) {
-  std::vector<Bytes> streams = decode_streams(parts, run_section(axis));
-  ClassRuns runs = decode_run_list(streams[c], ~std::uint64_t{0}).value();
-  change(runs);
-  streams[c].clear();
-  append_run_list(runs, streams[c]);
-  parts.directory.run_bytes[c][static_cast<std::size_t>(axis)] =
-      static_cast<std::uint32_t>(streams[c].size());
-  replace_streams(parts, run_section(axis), streams);
 }
 
 }  // namespace splatlas

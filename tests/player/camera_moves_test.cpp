@@ -1,7 +1,5 @@
 #include "player/camera_moves.h"
 
-#include <algorithm>
-#include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>

@@ -2,7 +2,6 @@
 // here.
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
 #include <utility>
 

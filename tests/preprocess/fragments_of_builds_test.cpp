@@ -1,5 +1,4 @@
 // Fragments and openings in whole builds.
-#include <filesystem>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

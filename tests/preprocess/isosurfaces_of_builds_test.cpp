@@ -1,6 +1,5 @@
 // Isosurfaces in whole builds.
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <random>
 

@@ -1,7 +1,6 @@
 // Membership volumes from explicit masks, with their structures.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "preprocess/classify/classify_voxels.h"

@@ -1,6 +1,5 @@
 // Builds that are refused: names, paths and inputs that do not fit together.
 #include <filesystem>
-#include <fstream>
 #include <random>
 #include <string>
 

@@ -133,12 +133,6 @@ Result<std::string> hash_file(const std::filesystem::path& path) {
   return fmt::format("xxh64:{:016x}", XXH64_digest(state.get()));
 }
 
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t\r\n");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
-}
-
 std::vector<std::string_view> split_blanks(std::string_view text) {
   std::vector<std::string_view> parts;
   constexpr const char* kBlanks = " \t\n";  // a stray carriage return is damage
@@ -148,16 +142,6 @@ std::vector<std::string_view> split_blanks(std::string_view text) {
     at = text.find_first_not_of(kBlanks, end);
   }
   return parts;
-}
-
-std::vector<std::string_view> split(std::string_view text, char separator) {
-  std::vector<std::string_view> parts;
-  for (std::size_t start = 0;;) {
-    const std::size_t end = text.find(separator, start);
-    parts.push_back(trimmed(text.substr(start, end == std::string_view::npos ? end : end - start)));
-    if (end == std::string_view::npos) return parts;
-    start = end + 1;
-  }
 }
 
 namespace {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "format/result.h"
+#include "format/text/ascii_text.h"
 
 namespace splatlas {
 
@@ -41,15 +42,9 @@ struct TextLine {
 /// regular files, in the order of their paths, as one. kFailed if one cannot be read.
 [[nodiscard]] Result<std::string> hash_file(const std::filesystem::path& path);
 
-/// Removes white space at both ends.
-[[nodiscard]] std::string_view trimmed(std::string_view text);
 /// Splits at blanks, tabs and ends of lines. The parts refer to `text`.
 [[nodiscard]] std::vector<std::string_view> split_blanks(std::string_view text);
 std::vector<std::string_view> split_blanks(std::string&& text) = delete;
-/// Splits at `separator` into trimmed parts; "a,,b" has three. The parts refer to `text`.
-[[nodiscard]] std::vector<std::string_view> split(std::string_view text, char separator);
-std::vector<std::string_view> split(std::string&& text, char separator) = delete;
-
 /// Parses the whole text as a number; nullopt if characters remain or the value is out of range.
 [[nodiscard]] std::optional<std::int64_t> parse_integer(std::string_view text);
 /// The same for floating-point numbers. Accepts "nan" and "inf".

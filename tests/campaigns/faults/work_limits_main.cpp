@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
-#include <random>
 #include <string>
 #include <utility>
 #include <vector>

@@ -1,6 +1,5 @@
 #include "format/codec/mask_codec.h"
 
-#include <algorithm>
 #include <random>
 
 #include <gtest/gtest.h>

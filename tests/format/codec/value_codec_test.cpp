@@ -17,8 +17,6 @@
 namespace splatlas {
 namespace {
 
-using ::testing::HasSubstr;
-
 constexpr std::size_t kCounts = 64;  // bytes of the bucket counts
 constexpr std::size_t kHeader = 80;  // bytes of the other header fields
 

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstring>
-#include <functional>
 #include <numbers>
 
 #include <gtest/gtest.h>

@@ -20,7 +20,6 @@ using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using ::testing::MatchesRegex;
 
 struct OutputFolderTest : ::testing::Test {
   TemporaryFolder folder;

@@ -102,7 +102,8 @@ TEST(AsciiText, LayoutKeepsLineFeedsAndTabsOnly) {
 TEST(AsciiText, JsonEscapesUnsafeCharacters) {
   EXPECT_EQ(escaped_json("{\n\t\"a\": \"\xc3\xa4\"\n}"), "{\n\t\"a\": \"\xc3\xa4\"\n}");
   EXPECT_EQ(escaped_json("\x7f\xc2\x9b\xe2\x80\x8f\xe2\x80\xa8"), "\\u007f\\u009b\\u200f\\u2028");
-  EXPECT_EQ(escaped_json("\xf3\xa0\x81\x81"), "\\udb40\\udc41");  // U+E0041
+  EXPECT_EQ(escaped_json("\xf3\xa0\x81\x81\xf0\x9f\xbf\xbe"),
+            "\\udb40\\udc41\\ud83f\\udffe");  // U+E0041, U+1FFFE
   EXPECT_EQ(escaped_json("a\xff"), "a\xef\xbf\xbd");
 }
 

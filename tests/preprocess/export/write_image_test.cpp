@@ -8,8 +8,8 @@
 #include "tests/preprocess/itk_volumes.h"
 #include "tests/preprocess/random_images.h"
 #include "tests/support/committed.h"
-#include "tests/support/file_bytes.h"
 #include "tests/support/fails_with.h"
+#include "tests/support/file_bytes.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 

@@ -4,7 +4,6 @@
 #include <stop_token>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,7 +1,5 @@
 #include "tests/preprocess/import/planted_files.h"
 
-#include <algorithm>
-#include <array>
 #include <cstdint>
 
 #include <fmt/format.h>

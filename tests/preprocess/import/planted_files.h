@@ -1,7 +1,6 @@
 // Source files that hold identifiers wherever their format has place for free text.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 

@@ -21,7 +21,6 @@ namespace splatlas {
 namespace {
 
 using testing::HasSubstr;
-using testing::Not;
 
 /// Notes and error in every form in which people see them.
 std::string reports(const Notes& notes, const std::string& error) {
@@ -180,6 +179,14 @@ TEST_F(PlantedIdentifiers, OfDicomStayThere) {
     }
     write_bytes(path, bytes);
   }
+  TestSlice localizer;
+  localizer.axes = {0, 1, 0, 0, 0, -1};
+  localizer.stored.assign(TestSlice::kPixels, 0);
+  write_slice(localizer, folder_.file("series/localizer"));
+  EXPECT_GE(plant_identifiers(folder_.file("series/localizer")), 200u);
+  const std::string list = all_of_build(sources);
+  EXPECT_THAT(list, HasSubstr("holds 2 series"));
+  expect_clean(list, "DICOM");
 }
 
 }  // namespace

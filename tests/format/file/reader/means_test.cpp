@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstring>
 #include <map>
-#include <optional>
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

@@ -1,6 +1,5 @@
 #include "player/render/surfaces/raster_kernels.h"
 
-#include <algorithm>
 #include <random>
 #include <vector>
 

@@ -1,9 +1,7 @@
 // Values, byte orders and geometry of NIfTI images.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
-#include <span>
 
 #include "tests/preprocess/import/images/import_image_fixture.h"
 
@@ -18,39 +16,6 @@ TEST_F(ImportImage, AScaledNiftiIsReadInItsValues) {
       ASSERT_EQ(static_cast<double>(image.voxels.as<T>()[v]), 0.5 * (static_cast<double>(v) - 100) + 3);
     }
   });
-}
-
-/// nifti() with 64 pixels of another type.
-template <typename T>
-std::string nifti_of(std::int16_t datatype, const std::vector<T>& pixels) {
-  std::string bytes = with_number<std::int16_t>(nifti_header(), 70, datatype);
-  bytes = with_number<std::int16_t>(bytes, 72, static_cast<std::int16_t>(8 * sizeof(T)));
-  return bytes.append(reinterpret_cast<const char*>(pixels.data()), pixels.size() * sizeof(T));
-}
-
-template <typename T>
-std::vector<T> strange_pixels() {
-  using Limits = std::numeric_limits<T>;
-  std::vector<T> pixels(RawImage::kVoxels, T(1.5));
-  pixels[1] = Limits::quiet_NaN();
-  pixels[2] = -Limits::quiet_NaN();
-  pixels[3] = Limits::infinity();
-  pixels[4] = -Limits::infinity();
-  pixels[5] = -T(0);
-  pixels[6] = Limits::denorm_min();
-  pixels[7] = Limits::max();
-  return pixels;
-}
-
-TEST_F(ImportImage, NiftiKeepsEveryBitOfFloats) {
-  const auto expect_bits = [](const Image& image, const auto& pixels) {
-    EXPECT_TRUE(std::ranges::equal(image.voxels.bytes, std::as_bytes(std::span(pixels))));
-  };
-  const auto floats = strange_pixels<float>();
-  const auto doubles = strange_pixels<double>();
-  expect_bits(imported("a.nii", nifti_of<float>(16, floats)), floats);
-  expect_bits(imported("a.nii.gz", deflated(nifti_of<float>(16, floats), true)), floats);
-  expect_bits(imported("a.nii", nifti_of<double>(64, doubles)), doubles);
 }
 
 TEST_F(ImportImage, ANiftiSlopeOfZeroScalesNothing) {

@@ -1,7 +1,5 @@
 // Formats beside the three that ITK wrote first: bytes as their specifications say.
 #include <array>
-#include <bit>
-#include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -59,30 +57,6 @@ class MoreFormats : public ImportImage {
     return *std::move(image);
   }
 };
-
-/// nifti() as NIfTI-2 (nifti2.h).
-std::string nifti2() {
-  Bytes h(544);
-  h.put<std::int32_t>(0, 540).text(4, std::string("n+2\0\r\n\x1a\n", 8));
-  h.put<std::int16_t>(12, 4).put<std::int16_t>(14, 16);
-  const std::array<std::int64_t, 8> dim{3, 8, 4, 2, 1, 1, 1, 1};
-  for (std::size_t n = 0; n < 8; ++n) h.put(16 + 8 * n, dim[n]);
-  const std::array<double, 4> pixdim{1, 1, 2, 3};
-  for (std::size_t n = 0; n < 4; ++n) h.put(104 + 8 * n, pixdim[n]);
-  h.put<std::int64_t>(168, 544).put<double>(176, 1).put<std::int32_t>(348, 1);
-  const std::array<double, 12> sform{1, 0, 0, 10, 0, 2, 0, 20, 0, 0, 3, 30};
-  for (std::size_t n = 0; n < 12; ++n) h.put(400 + 8 * n, sform[n]);
-  return h.get() + RawImage::payload();
-}
-
-TEST_F(MoreFormats, ReadsNifti2) {
-  for (const auto& [name, bytes] :
-       {std::pair<const char*, std::string>{"a.nii", nifti2()}, {"a.nii.gz", deflated(nifti2(), true)}}) {
-    const Image image = imported(name, bytes);
-    expect_raw_image(image);
-    EXPECT_EQ(image.grid, imported("b.nii", nifti()).grid);
-  }
-}
 
 /// x to the left, y to the front, centred: SPM's and nibabel's rule.
 TEST_F(MoreFormats, ReadsAnalyzePairsAndSaysWhatItAssumes) {

@@ -13,7 +13,6 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::IsEmpty;
 
 /// Rows of a file; label 0, if the file has one, is not counted.
 struct FileCase {

@@ -1,6 +1,5 @@
 #include "player/render/sheets/spans/coarse_spans.h"
 
-#include <algorithm>
 #include <array>
 #include <limits>
 

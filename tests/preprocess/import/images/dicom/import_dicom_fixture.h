@@ -11,6 +11,7 @@
 
 #include "preprocess/import/images/dicom/import_dicom.h"
 #include "tests/preprocess/import/images/dicom/dicom_files.h"
+#include "tests/preprocess/messages_of_notes.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/temporary_folder.h"
 
@@ -61,11 +62,7 @@ class ImportDicom : public testing::Test {
     }
   }
 
-  static std::vector<std::string> notes_of(const SourceImage& image) {
-    std::vector<std::string> messages;
-    for (const Note& note : image.notes.all()) messages.push_back(note.message());
-    return messages;
-  }
+  static std::vector<std::string> notes_of(const SourceImage& image) { return messages_of(image.notes); }
 
   TemporaryFolder folder_;
 };

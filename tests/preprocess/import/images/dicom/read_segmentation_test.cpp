@@ -1,8 +1,6 @@
 // DICOM segmentations: masks, fractions and label maps.
 #include "preprocess/import/images/dicom/read_segmentation.h"
 
-#include <map>
-
 #include "tests/preprocess/import/images/dicom/import_dicom_fixture.h"
 
 namespace splatlas {

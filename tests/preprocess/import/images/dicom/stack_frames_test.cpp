@@ -27,35 +27,6 @@ TEST_F(ImportDicom, SlicesAreOrderedByPosition) {
   EXPECT_THAT(notes_of(image), IsEmpty());
 }
 
-TEST_F(ImportDicom, AxesThatRunBackwardsKeepTheirDirection) {
-  for (int k = 0; k < 3; ++k) {
-    TestSlice slice = axial(k);
-    slice.axes = {-1, 0, 0, 0, 1, 0};  // the normal is -z
-    write_slice(slice, file(fmt::format("slice{}", k)));
-  }
-  const SourceImage image = imported();
-  EXPECT_EQ(image.grid.origin_lps_mm, (Vec3{-1, 2, 14}));
-  EXPECT_EQ(image.grid.direction_lps, (Matrix3{-1, 0, 0, 0, 1, 0, 0, 0, -1}));
-  EXPECT_EQ(image.voxels.as<std::int16_t>()[0], 200);
-}
-
-TEST_F(ImportDicom, ObliqueSlicesLieAlongTheirNormal) {
-  // Rows along (0.6, 0.8, 0), columns along (0, 0, -1): the normal is (-0.8, 0.6, 0).
-  for (int k = 0; k < 4; ++k) {
-    TestSlice slice = axial(k);
-    slice.axes = {0.6, 0.8, 0, 0, 0, -1};
-    slice.position = {5 - 0.8 * 3 * k, 6 + 0.6 * 3 * k, 7};
-    write_slice(slice, file(fmt::format("slice{}", (7 * k) % 5)));
-  }
-  const SourceImage image = imported();
-  expect_ramps(image, 4);
-  EXPECT_NEAR(image.grid.spacing_mm[2], 3, 1e-9);  // ten digits in the file
-  EXPECT_EQ(image.grid.origin_lps_mm, (Vec3{5, 6, 7}));
-  const Matrix3 expected{0.6, 0, -0.8, 0.8, 0, 0.6, 0, -1, 0};
-  for (std::size_t n = 0; n < 9; ++n) EXPECT_NEAR(image.grid.direction_lps[n], expected[n], 1e-12);
-  EXPECT_THAT(notes_of(image), IsEmpty());
-}
-
 TEST_F(ImportDicom, ATiltedStackHasAShearedGrid) {
   const double angle = 15 * std::numbers::pi / 180;
   const Vec3 step{0, -2.5 * std::sin(angle), 2.5 * std::cos(angle)};
@@ -155,17 +126,6 @@ TEST_F(ImportDicom, OneSliceHasItsThickness) {
   const SourceImage image = imported();
   EXPECT_EQ(image.grid.spacing_mm[2], 1);
   EXPECT_THAT(notes_of(image), ElementsAre("1 slice has no thickness; 1 mm is assumed: (-1, 2, 10)"));
-}
-
-TEST_F(ImportDicom, FramesOfAFileAreOrderedByPosition) {
-  std::vector<TestFrame> frames;
-  for (const int k : {3, 0, 4, 1, 2}) frames.push_back({{0, 0, 3. * k}, 1, 0, "ORIGINAL\\PRIMARY", ramp(k)});
-  write_enhanced(frames, file("a"));
-  const SourceImage image = imported();
-  ASSERT_EQ(image.voxels.type, VoxelType::kUInt16);
-  for (std::size_t v = 0; v < 5 * TestSlice::kPixels; ++v)
-    ASSERT_EQ(image.voxels.as<std::uint16_t>()[v], 100 * (v / TestSlice::kPixels) + v % TestSlice::kPixels);
-  EXPECT_EQ(image.grid.spacing_mm, (Vec3{0.5, 0.5, 3}));
 }
 
 }  // namespace

@@ -6,8 +6,6 @@
 
 namespace splatlas {
 namespace {
-
-using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
