@@ -36,6 +36,10 @@ class LineReader {
   std::size_t start_ = 0;
 };
 
+std::string_view without_plus(std::string_view text) {
+  return text.starts_with('+') ? text.substr(1) : text;
+}
+
 /// The file itself, or the regular files of a folder in the order of their paths.
 std::vector<std::filesystem::path> regular_files_of(const std::filesystem::path& path) {
   std::error_code error;
@@ -143,14 +147,6 @@ std::vector<std::string_view> split_blanks(std::string_view text) {
   }
   return parts;
 }
-
-namespace {
-
-std::string_view without_plus(std::string_view text) {
-  return text.starts_with('+') ? text.substr(1) : text;
-}
-
-}  // namespace
 
 std::optional<std::int64_t> parse_integer(std::string_view text) {
   return parse_number<std::int64_t>(without_plus(text));
