@@ -180,25 +180,8 @@ Result<StructureIndex> StructureGraph::find_label(std::int64_t label) const {
   const auto found = filter_structures(graph, [&](StructureIndex s) { return graph[s].label == label; });
   if (found.size() == 1) return found.front();
   if (!found.empty()) return ambiguous(graph, fmt::format("#{}", label), found);
-
-  // List the nearest labels
-  const auto distance = [label](std::int64_t other) {
-    const auto a = static_cast<std::uint64_t>(other), b = static_cast<std::uint64_t>(label);
-    return other > label ? a - b : b - a;
-  };
-  std::set<std::pair<std::uint64_t, StructureIndex>> nearest;
-  for (StructureIndex s = 0; s < graph.size(); ++s) {
-    if (!graph[s].label) continue;
-    nearest.emplace(distance(*graph[s].label), s);
-    if (nearest.size() > kMaxListed) nearest.erase(std::prev(nearest.end()));
-  }
-  std::vector<std::string> labels;
-  for (const auto& [away, s] : nearest) {
-    labels.push_back(fmt::format("#{} ({})", *graph[s].label, in_quotes(graph[s].name)));
-  }
-  return fail(ErrorCode::kNotFound, "no structure has the label {}; {}", label,
-              labels.empty() ? "no structure has one; write a name"
-                             : fmt::format("the nearest: {}", fmt::join(labels, ", ")));
+  return fail(ErrorCode::kNotFound, "no structure has the label {}; splatlas-player info --json lists them",
+              label);
 }
 
 }  // namespace splatlas

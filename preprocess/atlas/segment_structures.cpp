@@ -113,16 +113,17 @@ class Segmenter {
   [[nodiscard]] Result<std::vector<std::uint8_t>> voxels_of(std::size_t n) const {
     auto& [rule, mask] = model_.segments[n];
     if (rule.kind == SegmentRule::Kind::kIsosurface) return isosurface(rule, n);
-    if (rule.kind != SegmentRule::Kind::kMask) {
-      SPLATLAS_ASSIGN_OR_RETURN(mask, segment_volume(model_.values, grid_, rule));
-    }
+    const bool is_mask = rule.kind == SegmentRule::Kind::kMask;
+    if (!is_mask) mask = voxels_between(model_.values, rule);
+    SPLATLAS_RETURN_IF_ERROR(keep_within(rule, n, mask));
+    if (!is_mask) SPLATLAS_RETURN_IF_ERROR(refine_segment(mask, grid_, rule));
     std::vector<bool> excludes(placed_.index_of_source.size(), true);  // [source]
     for (std::size_t other = 0; other < model_.segments.size(); ++other) {
       if (model_.segments[other].rule.kind == SegmentRule::Kind::kIsosurface)
         excludes[first_source() + other] = false;
     }
     if (!rule.overlaps) keep_voxels(mask, excludes, false);
-    if (rule.open_mm > 0) SPLATLAS_RETURN_IF_ERROR(open_mask(mask, grid_, rule));
+    if (is_mask) SPLATLAS_RETURN_IF_ERROR(refine_segment(mask, grid_, rule));
     return std::exchange(mask, {});
   }
 
@@ -137,6 +138,15 @@ class Segmenter {
     for (std::size_t v = 0; v < mask.size(); ++v) mask[v] = mask[v] != 0 && keeps[sets[v]];
   }
 
+  /// Clears voxels outside the structure that encloses segment n.
+  [[nodiscard]] Result<void> keep_within(const SegmentRule& rule, std::size_t n,
+                                         std::vector<std::uint8_t>& mask) const {
+    if (rule.within.empty()) return {};
+    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<bool> enclosing, enclosing_sources(rule, n));
+    keep_voxels(mask, enclosing, true);
+    return {};
+  }
+
   [[nodiscard]] Result<std::vector<std::uint8_t>> isosurface(const SegmentRule& rule, std::size_t n) const {
     if (std::ranges::max(grid_.size) > kMaxIsosurfaceSize) {
       return fail(ErrorCode::kLimit,
@@ -145,22 +155,19 @@ class Segmenter {
                   rule.name, kMaxIsosurfaceSize);
     }
     std::vector<std::uint8_t> mask = voxels_from(model_.values, rule.low);
-    if (!rule.inside.empty()) {
-      SPLATLAS_ASSIGN_OR_RETURN(const std::vector<bool> enclosing, enclosing_sources(rule, n));
-      keep_voxels(mask, enclosing, true);
-    }
+    SPLATLAS_RETURN_IF_ERROR(keep_within(rule, n, mask));
     if (std::ranges::find(mask, 1) == mask.end()) {
       return fail(ErrorCode::kFailed, "--segment \"{}\": no voxel {} has a value of {} or above", rule.name,
-                  rule.inside.empty() ? "of the volume" : "in " + in_quotes(rule.inside), rule.low);
+                  rule.within.empty() ? "of the volume" : "in " + in_quotes(rule.within), rule.low);
     }
     return mask;
   }
 
   /// [source]: true for labels, masks and earlier segments in the enclosing structure.
   [[nodiscard]] Result<std::vector<bool>> enclosing_sources(const SegmentRule& rule, std::size_t n) const {
-    const Result<std::vector<StructureIndex>> found = placed_.graph.find(rule.inside);
+    const Result<std::vector<StructureIndex>> found = placed_.graph.find(rule.within);
     if (!found)
-      return fail(found.error().code, "--segment \"{}\": inside={}", rule.name, found.error().message);
+      return fail(found.error().code, "--segment \"{}\": within={}", rule.name, found.error().message);
     const std::vector<StructureIndex> inside = placed_.graph.descendants(*found);
     std::vector<bool> sources(placed_.index_of_source.size(), false);
     bool any = false;
@@ -171,8 +178,8 @@ class Segmenter {
     if (!any) {
       return fail(
           ErrorCode::kUsage,
-          "--segment \"{}\": inside={} must be a label, a mask, an earlier segment or a group of them",
-          rule.name, in_quotes(rule.inside));
+          "--segment \"{}\": within={} must be a label, a mask, an earlier segment or a group of them",
+          rule.name, in_quotes(rule.within));
     }
     return sources;
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <span>
 #include <type_traits>
 
@@ -61,22 +62,6 @@ double otsu_threshold(std::span<const T> values) {
   return calculator->GetThreshold();
 }
 
-Mask threshold(const VoxelBuffer& values, const SegmentRule& rule) {
-  Mask mask(values.bytes.size() / bytes_of(values.type));
-  visit_voxel_type(values.type, [&]<typename T>(T) {
-    // Thresholds are rounded to the type of the values, so that 0.7 includes the nearest float to 0.7.
-    using Real = std::conditional_t<std::is_same_v<T, float> || sizeof(T) <= 2, float, double>;
-    const std::span<const T> voxels(values.as<T>(), mask.size());
-    const double low = rule.kind == SegmentRule::Kind::kOtsu ? otsu_threshold(voxels) : rule.low;
-    constexpr double kMax = std::numeric_limits<Real>::max();
-    const auto first = static_cast<Real>(std::clamp(low, -kMax, kMax));
-    const auto last = static_cast<Real>(std::clamp(rule.high, -kMax, kMax));
-    for (std::size_t v = 0; v < mask.size(); ++v)
-      mask[v] = static_cast<Real>(voxels[v]) >= first && static_cast<Real>(voxels[v]) <= last;
-  });
-  return mask;
-}
-
 template <unsigned kDimension>
 using MaskImage = itk::Image<std::uint8_t, kDimension>;
 template <unsigned kDimension>
@@ -111,33 +96,45 @@ void paint(const Component<kDimension>& component, std::uint8_t value, MaskImage
   }
 }
 
-void keep_largest_component(MaskImage<3>& image) {
-  const auto components = components_of(image, 1);
-  std::vector<itk::SizeValueType> sizes;  // ITK counts voxels anew with every call
-  for (const auto& component : components) sizes.push_back(component->Size());
-  const auto largest = static_cast<std::size_t>(std::ranges::max_element(sizes) - sizes.begin());
-  for (std::size_t n = 0; n < components.size(); ++n) {
-    if (n != largest) paint<3>(*components[n], 0, image);
-  }
-}
-
+/// True for a component with a voxel at an end of the first `axes` axes.
 template <unsigned kDimension>
-bool is_at_border(const Component<kDimension>& component, const itk::Size<kDimension>& size) {
+bool is_at_border(const Component<kDimension>& component, const itk::Size<kDimension>& size, unsigned axes) {
   for (itk::SizeValueType n = 0; n < component.GetNumberOfLines(); ++n) {
     auto first = component.GetLine(n).GetIndex(), last = first;
     last[0] += static_cast<itk::IndexValueType>(component.GetLine(n).GetLength()) - 1;
-    for (unsigned a = 0; a < kDimension; ++a) {
+    for (unsigned a = 0; a < axes; ++a) {
       if (first[a] == 0 || last[a] + 1 == static_cast<itk::IndexValueType>(size[a])) return true;
     }
   }
   return false;
 }
 
+/// Keeps the pieces of a rule.
+void keep_pieces(const SegmentRule& rule, const Grid& grid, MaskImage<3>& image) {
+  auto components = components_of(image, 1);
+  itk::Index<3> seed{};
+  if (rule.seed_lps_mm) {
+    const Vec3 at = lps_mm_to_index(grid).apply(*rule.seed_lps_mm);
+    for (unsigned a = 0; a < 3; ++a) seed[a] = std::lround(at[a]);
+  }
+  std::vector<std::pair<itk::SizeValueType, std::size_t>> kept;  // ITK counts voxels anew with every call
+  for (std::size_t n = 0; n < components.size(); ++n) {
+    const bool is_outer =
+        rule.inner && is_at_border<3>(*components[n], image.GetBufferedRegion().GetSize(), 2);
+    const bool has_seed = !rule.seed_lps_mm || components[n]->HasIndex(seed);
+    if (!is_outer && has_seed) kept.emplace_back(components[n]->Size(), n);
+  }
+  std::ranges::stable_sort(kept, std::greater{}, [](const auto& piece) { return piece.first; });
+  kept.resize(std::min(kept.size(), rule.pieces));
+  std::ranges::fill_n(image.GetBufferPointer(), static_cast<std::ptrdiff_t>(grid.voxels()), std::uint8_t{0});
+  for (const auto& [size, n] : kept) paint<3>(*components[n], 1, image);
+}
+
 /// Fills enclosed background.
 template <unsigned kDimension>
 void fill_holes(MaskImage<kDimension>& image) {
   for (const auto& component : components_of(image, 0)) {
-    if (!is_at_border<kDimension>(*component, image.GetBufferedRegion().GetSize()))
+    if (!is_at_border<kDimension>(*component, image.GetBufferedRegion().GetSize(), kDimension))
       paint<kDimension>(*component, 1, image);
   }
 }
@@ -174,108 +171,123 @@ Index3 radii_of(const Grid& grid, double radius_mm) {
   return radii;
 }
 
-Result<Mask> run_filters(const VoxelBuffer& values, const Grid& grid, const SegmentRule& rule) {
-  Mask mask = threshold(values, rule);
-  if (std::ranges::find(mask, 1) == mask.end()) {
-    return fail(ErrorCode::kFailed, "--segment \"{}\": no voxel of the volume is within its thresholds",
-                rule.name);
-  }
+Result<void> run_filters(Mask& mask, const Grid& grid, const SegmentRule& rule) {
+  const auto check_some = [&](const char* what) -> Result<void> {
+    if (std::ranges::find(mask, 1) != mask.end()) return {};
+    return fail(ErrorCode::kFailed, "--segment \"{}\": no {}", rule.name, what);
+  };
+  const bool is_mask = rule.kind == SegmentRule::Kind::kMask;
+  if (!is_mask) SPLATLAS_RETURN_IF_ERROR(check_some("voxel of the volume is within its thresholds"));
+  if (rule.open_mm > 0) open_mask(mask, grid.size, radii_of(grid, rule.open_mm));
+  if (is_mask) return {};
   itk::Size<3> size;
   for (unsigned a = 0; a < 3; ++a) size[a] = static_cast<itk::SizeValueType>(grid.size[a]);
   const auto image = image_of<3>(mask, size);
-  keep_largest_component(*image);
+  keep_pieces(rule, grid, *image);
+  SPLATLAS_RETURN_IF_ERROR(check_some("piece fits its open, inner and seed"));
   if (rule.close_mm > 0) close_mask(mask, grid.size, radii_of(grid, rule.close_mm));
+  if (!rule.fills) return {};
   close_at_border(*image);
   fill_holes(*image);
-  return mask;
+  return {};
 }
 
-/// Takes "name=MM" off the end of a rule. nullopt if MM is not from 0 to kMaxClosingMm.
-std::optional<double> take_radius(std::string_view name, std::vector<std::string_view>& parts) {
-  const auto radius = parse_number(parts.back().substr(name.size()));
-  if (!radius || !(*radius >= 0 && *radius <= kMaxClosingMm)) return std::nullopt;
-  parts.pop_back();
-  return radius;
-}
-
-/// Parses LEVEL[,inside=STRUCTURE]. Returns false if it is not valid.
-bool parse_isosurface(std::string_view text, SegmentRule& rule) {
-  rule.kind = SegmentRule::Kind::kIsosurface;
-  constexpr std::string_view kInside = ",inside=";
-  if (const std::size_t at = text.find(kInside); at != std::string_view::npos) {
-    rule.inside = std::string(trimmed(text.substr(at + kInside.size())));
-    if (rule.inside.empty()) return false;
-    text = text.substr(0, at);
+/// Sets an option of a rule. Nullopt for a word that is none; false for a value that it cannot have.
+std::optional<bool> set_option(std::string_view word, SegmentRule& rule) {
+  const std::string_view name = word.substr(0, word.find('='));
+  const std::string_view value = word.substr(std::min(name.size() + 1, word.size()));
+  const auto number = parse_number(value);
+  const auto set = [](auto& to, const auto& from) { return from ? (to = *from, true) : false; };
+  const bool is_radius = number && *number >= 0 && *number <= kMaxClosingMm;
+  if (name == "open") return is_radius && set(rule.open_mm, number);
+  if (name == "close") return is_radius && set(rule.close_mm, number);
+  if (name == "pieces") {
+    const auto pieces = parse_integer(value);
+    return pieces && *pieces > 0 && set(rule.pieces, pieces);
   }
-  const auto level = parse_number(trimmed(text));
-  if (!level || !std::isfinite(*level)) return false;
-  rule.low = *level;
-  return true;
+  if (name == "seed") return set(rule.seed_lps_mm, parse_numbers<3>(value));
+  if (name == "within") return set(rule.within, std::optional(trimmed(value))) && !rule.within.empty();
+  if (name == "color") {
+    const auto color = parse_color(value);
+    return color && set(rule.color, color);
+  }
+  if (word == "fill=no") return !(rule.fills = false);
+  if (word == "inner") return rule.inner = true;
+  if (word == "overlap") return rule.overlaps = true;
+  return std::nullopt;
+}
+
+/// Reads what stands between the kind of a rule and its options.
+bool set_kind(std::string_view kind, SegmentRule& rule) {
+  const std::string_view word = kind.substr(0, kind.find(':'));
+  const std::string_view value = kind.substr(std::min(word.size() + 1, kind.size()));
+  if (word == "mask") {
+    rule.kind = SegmentRule::Kind::kMask;
+    rule.mask = std::string(value);
+    return !value.empty();
+  }
+  const bool is_isosurface = word == "iso";
+  if (!is_isosurface && word != "threshold") return false;
+  if (is_isosurface) rule.kind = SegmentRule::Kind::kIsosurface;
+  if (value == "otsu" && !is_isosurface) {
+    rule.kind = SegmentRule::Kind::kOtsu;
+    return true;
+  }
+  const std::vector<std::string_view> parts = split(value, ':');
+  const auto low = parse_number(parts[0]);
+  const auto high = parts.size() == 2 ? parse_number(parts[1]) : std::optional(rule.high);
+  if (parts.size() > (is_isosurface ? 1u : 2u) || !low || !high || !(*low <= *high)) return false;
+  rule.low = *low;
+  rule.high = *high;
+  return !is_isosurface || std::isfinite(rule.low);
 }
 
 }  // namespace
 
 Result<SegmentRule> parse_segment(std::string_view text) {
-  const auto refuse = [&] {
-    return fail(
-        ErrorCode::kUsage,
-        "--segment '{}': must be NAME=mask:FILE[:open=MM][:overlap], NAME=threshold:LOW[:HIGH][:close=MM] "
-        "with "
-        "LOW at most HIGH, NAME=threshold:otsu[:close=MM], or NAME=iso:LEVEL[,inside=STRUCTURE], with "
-        "MM from 0 to {}",
-        text, kMaxClosingMm);
-  };
-  const std::size_t equals = text.find('=');
-  if (equals == std::string_view::npos) return refuse();
   SegmentRule rule;
+  const std::size_t equals = std::min(text.find('='), text.size());
   rule.name = std::string(trimmed(text.substr(0, equals)));
-  const std::string_view kind = text.substr(equals + 1);
-  if (rule.name.empty()) return refuse();
-  constexpr std::string_view kMask = "mask:", kThreshold = "threshold:";
-  if (kind.starts_with(kMask) && kind.size() > kMask.size()) {
-    rule.kind = SegmentRule::Kind::kMask;
-    std::string_view file = kind.substr(kMask.size());
-    constexpr std::string_view kOpen = ":open=", kOverlap = ":overlap";
-    if (file.ends_with(kOverlap) && file.size() > kOverlap.size()) {
-      rule.overlaps = true;
-      file.remove_suffix(kOverlap.size());
-    }
-    if (const std::size_t at = file.rfind(kOpen); at != std::string_view::npos) {
-      std::vector<std::string_view> parts{file.substr(at)};
-      const auto radius = take_radius(kOpen, parts);
-      if (!radius || at == 0) return refuse();
-      rule.open_mm = *radius;
-      file = file.substr(0, at);
-    }
-    rule.mask = std::string(file);
+  std::string_view kind = text.substr(std::min(equals + 1, text.size()));
+  bool is_valid = !rule.name.empty();
+  for (std::size_t colon = kind.rfind(':'); colon != std::string_view::npos; colon = kind.rfind(':')) {
+    const std::optional<bool> option = set_option(kind.substr(colon + 1), rule);
+    if (!option) break;
+    is_valid = is_valid && *option;
+    kind = kind.substr(0, colon);
+  }
+  is_valid = is_valid && set_kind(kind, rule);
+  const bool is_iso = rule.kind == SegmentRule::Kind::kIsosurface,
+             is_mask = rule.kind == SegmentRule::Kind::kMask;
+  const bool refines = rule.close_mm > 0 || rule.pieces > 1 || rule.inner || rule.seed_lps_mm || !rule.fills;
+  if (is_valid && !(refines && (is_iso || is_mask)) && !(is_iso && (rule.open_mm > 0 || rule.overlaps)))
     return rule;
-  }
-  if (constexpr std::string_view kIso = "iso:"; kind.starts_with(kIso)) {
-    return parse_isosurface(kind.substr(kIso.size()), rule) ? Result<SegmentRule>(rule) : refuse();
-  }
-  if (!kind.starts_with(kThreshold)) return refuse();
-  std::vector<std::string_view> parts = split(kind.substr(kThreshold.size()), ':');
-  if (constexpr std::string_view kClose = "close="; parts.size() > 1 && parts.back().starts_with(kClose)) {
-    const auto radius = take_radius(kClose, parts);
-    if (!radius) return refuse();
-    rule.close_mm = *radius;
-  }
-  if (parts.size() == 1 && parts[0] == "otsu") {
-    rule.kind = SegmentRule::Kind::kOtsu;
-    return rule;
-  }
-  const auto low = parse_number(parts[0]);
-  const auto high = parts.size() == 2 ? parse_number(parts[1]) : std::optional(rule.high);
-  if (parts.size() > 2 || !low || !high || !(*low <= *high)) return refuse();
-  rule.low = *low;
-  rule.high = *high;
-  return rule;
+  return fail(ErrorCode::kUsage,
+              "--segment '{}': must be NAME=mask:FILE, NAME=threshold:LOW[:HIGH] with LOW at most HIGH, "
+              "NAME=threshold:otsu or NAME=iso:LEVEL, with options :open=MM and :close=MM with MM from 0 to "
+              "{}, :pieces=N, :inner, "
+              ":seed=X,Y,Z, :within=NAME, :fill=no, :overlap, :color=#rrggbb",
+              text, kMaxClosingMm);
 }
 
-Result<std::vector<std::uint8_t>> segment_volume(const VoxelBuffer& values, const Grid& grid,
-                                                 const SegmentRule& rule) {
-  return call_itk(fmt::format("--segment \"{}\"", rule.name),
-                  [&] { return run_filters(values, grid, rule); });
+Mask voxels_between(const VoxelBuffer& values, const SegmentRule& rule) {
+  Mask mask(values.bytes.size() / bytes_of(values.type));
+  visit_voxel_type(values.type, [&]<typename T>(T) {
+    // Thresholds are rounded to the type of the values, so that 0.7 includes the nearest float to 0.7.
+    using Real = std::conditional_t<std::is_same_v<T, float> || sizeof(T) <= 2, float, double>;
+    const std::span<const T> voxels(values.as<T>(), mask.size());
+    const double low = rule.kind == SegmentRule::Kind::kOtsu ? otsu_threshold(voxels) : rule.low;
+    constexpr double kMax = std::numeric_limits<Real>::max();
+    const auto first = static_cast<Real>(std::clamp(low, -kMax, kMax));
+    const auto last = static_cast<Real>(std::clamp(rule.high, -kMax, kMax));
+    for (std::size_t v = 0; v < mask.size(); ++v)
+      mask[v] = static_cast<Real>(voxels[v]) >= first && static_cast<Real>(voxels[v]) <= last;
+  });
+  return mask;
+}
+
+Result<void> refine_segment(Mask& mask, const Grid& grid, const SegmentRule& rule) {
+  return call_itk(fmt::format("--segment \"{}\"", rule.name), [&] { return run_filters(mask, grid, rule); });
 }
 
 std::vector<std::uint8_t> voxels_from(const VoxelBuffer& values, double level) {
@@ -287,13 +299,6 @@ std::vector<std::uint8_t> voxels_from(const VoxelBuffer& values, double level) {
     }
   });
   return mask;
-}
-
-Result<void> open_mask(std::vector<std::uint8_t>& mask, const Grid& grid, const SegmentRule& rule) {
-  return call_itk(fmt::format("--segment \"{}\"", rule.name), [&]() -> Result<void> {
-    open_mask(mask, grid.size, radii_of(grid, rule.open_mm));
-    return {};
-  });
 }
 
 }  // namespace splatlas

@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "format/content/color.h"
 #include "format/content/grid.h"
 #include "format/content/voxel_type.h"
 
@@ -21,27 +23,34 @@ struct SegmentRule {
   std::filesystem::path mask;  ///< kMask: file with non-zero voxels inside
   double low = 0;              ///< lower threshold or level of the isosurface, inclusive
   double high = std::numeric_limits<double>::infinity();  ///< kThreshold: upper threshold, inclusive
-  double close_mm = 0;    ///< thresholds: radius of the morphological closing before holes are filled
-  double open_mm = 0;     ///< kMask: radius of the morphological opening, after other structures are left out
-  bool overlaps = false;  ///< kMask: also takes voxels of other structures
-  std::string inside;     ///< kIsosurface: enclosing structure; empty for none
+  double open_mm =
+      0;  ///< radius of the opening: of a mask after other structures are left out, else before pieces
+  double close_mm = 0;                   ///< thresholds: radius of the closing before holes are filled
+  std::size_t pieces = 1;                ///< thresholds: the largest ones stay
+  bool inner = false;                    ///< thresholds: without pieces at the border of the slices
+  std::optional<Vec3> seed_lps_mm = {};  ///< thresholds: the piece at this point stays alone
+  bool fills = true;                     ///< thresholds: fills holes
+  bool overlaps = false;                 ///< also takes voxels of other structures
+  std::string within;                    ///< enclosing structure; empty for none
+  std::optional<Rgb> color = {};
 };
 
-/// Parses NAME=mask:FILE[:open=MM][:overlap], NAME=threshold:LOW[:HIGH][:close=MM] with LOW a number or
-/// "otsu", or NAME=iso:LEVEL[,inside=STRUCTURE]; kUsage otherwise.
+/// Parses NAME=mask:FILE, NAME=threshold:LOW[:HIGH] with LOW a number or "otsu", or NAME=iso:LEVEL, with
+/// options behind: ":open=MM", ":close=MM", ":pieces=N", ":inner", ":seed=X,Y,Z", ":within=NAME", ":fill=no",
+/// ":overlap" and
+/// ":color=#rrggbb". kUsage otherwise.
 [[nodiscard]] Result<SegmentRule> parse_segment(std::string_view text);
 
-/// Segments by threshold (fixed, or Otsu 1979): the largest face-connected component, optionally closed, with
-/// filled holes. Also fills holes that are open only at the border of the grid. Returns 1 inside, 0 outside;
-/// NaN voxels are outside. `rule`: kThreshold or kOtsu. Uses all cores. kFailed if none is inside.
-[[nodiscard]] Result<std::vector<std::uint8_t>> segment_volume(const VoxelBuffer& values, const Grid& grid,
-                                                               const SegmentRule& rule);
+/// 1 for values within the thresholds of a rule (fixed, or Otsu 1979), else 0, as for NaN.
+[[nodiscard]] std::vector<std::uint8_t> voxels_between(const VoxelBuffer& values, const SegmentRule& rule);
+
+/// Refines the voxels of a mask, which it opens, or within thresholds: opens them, keeps the face-connected
+/// pieces of the rule, closes them and fills holes, also those that are open only at the border of the grid.
+/// Uses all cores. kFailed if none is left.
+[[nodiscard]] Result<void> refine_segment(std::vector<std::uint8_t>& mask, const Grid& grid,
+                                          const SegmentRule& rule);
 
 /// 1 for finite values from `level` on, else 0.
 [[nodiscard]] std::vector<std::uint8_t> voxels_from(const VoxelBuffer& values, double level);
-
-/// Morphological opening of a mask by a ball of rule.open_mm. Beyond the grid counts as inside.
-[[nodiscard]] Result<void> open_mask(std::vector<std::uint8_t>& mask, const Grid& grid,
-                                     const SegmentRule& rule);
 
 }  // namespace splatlas

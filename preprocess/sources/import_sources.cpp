@@ -241,6 +241,7 @@ class SourceImporter {
       }
       SourceStructure structure;
       structure.name = rule.name;
+      structure.color = rule.color;
       model_.structures.push_back(std::move(structure));
       model_.segments.push_back(std::move(segment));
     }

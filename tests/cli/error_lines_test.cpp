@@ -157,7 +157,7 @@ TEST_F(ErrorLines, OfRender) {
   refuses({"--threads", "9999"}, "--threads: ", "9999");
   refuses({"--select", "Nope"}, "a.atlas: selection, column 1", "the nearest: ", 4);
   refuses({"--select", "Sphere*:solid"}, "selection \"Sphere*:solid\"", "column");
-  refuses({"--select", "#3"}, "a.atlas: selection", "the nearest: #2 (\"Sphere 2\"), #1", 4);
+  refuses({"--select", "#3"}, "a.atlas: selection", "no structure has the label 3", 4);
   refuses({"--select", "#x"}, "selection \"#x\"", "not a label");
   refuses({"--select", "Sph\xff\xfe"}, "a.atlas: ", "\"Sph\\xff\\xfe\"", 4);
   refuses({"--memory", "15"}, "--memory \"15\"", "must be a number of MiB from 16 to 1073741824");

@@ -144,7 +144,7 @@ TEST_F(IsosurfacesOfBuilds, StayInsideTheirStructure) {
   const Grid grid{
       .size = {14, 12, 10}, .spacing_mm = {1, 1, 2}, .direction_lps = {-1, 0, 0, 0, 1, 0, 0, 0, 1}};
   const auto grey = [](auto i, auto j, auto) { return 10 * i + j; };
-  BuildOptions build = scene(byte_image(grid, grey), {"Low=threshold:0:40", "Part=iso:55,inside=label 1",
+  BuildOptions build = scene(byte_image(grid, grey), {"Low=threshold:0:40", "Part=iso:55:within=label 1",
                                                       "All=iso:20", "Rest=threshold:41"});
   build.sources.labels =
       write("labels.nrrd", byte_image(grid, [](auto i, auto j, auto) { return i > 2 && j < 8; }));
@@ -205,10 +205,10 @@ TEST_F(IsosurfacesOfBuilds, ReportWhatIsWrong) {
   const Image volume = byte_image(grid, [](auto i, auto, auto) { return i; });
   EXPECT_THAT(error_of(scene(volume, {"A=iso:4"})),
               HasSubstr("\"A\": no voxel of the volume has a value of 4"));
-  EXPECT_THAT(error_of(scene(volume, {"A=iso:1", "B=iso:2,inside=C"})), HasSubstr("\"B\": inside="));
-  EXPECT_EQ(code_of(scene(volume, {"A=iso:1", "B=iso:2,inside=C"})), ErrorCode::kNotFound);
-  EXPECT_THAT(error_of(scene(volume, {"A=iso:1,inside=B", "B=iso:2"})), HasSubstr("earlier segment"));
-  EXPECT_EQ(code_of(scene(volume, {"A=iso:1,inside=A"})), ErrorCode::kUsage);
+  EXPECT_THAT(error_of(scene(volume, {"A=iso:1", "B=iso:2:within=C"})), HasSubstr("\"B\": within="));
+  EXPECT_EQ(code_of(scene(volume, {"A=iso:1", "B=iso:2:within=C"})), ErrorCode::kNotFound);
+  EXPECT_THAT(error_of(scene(volume, {"A=iso:1:within=B", "B=iso:2"})), HasSubstr("earlier segment"));
+  EXPECT_EQ(code_of(scene(volume, {"A=iso:1:within=A"})), ErrorCode::kUsage);
   BuildOptions build = scene(volume, {"A=iso:2"});
   build.sources.volume.clear();
   EXPECT_THAT(error_of(build), HasSubstr("an isosurface needs a --volume"));

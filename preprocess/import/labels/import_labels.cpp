@@ -32,11 +32,9 @@ std::vector<fs::path> list_images(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    const std::string ending = to_lower(entry->path().extension().string());
-    const bool is_second_of_pair = ending == ".img";
-    const bool is_hidden = entry->path().filename().string().starts_with('.');
-    if (entry->is_regular_file() && find_image_format(entry->path()) != nullptr && !is_second_of_pair &&
-        !is_hidden)
+    const std::string name = to_lower(entry->path().filename().string());
+    if (name.starts_with('.') || name.ends_with(".img")) continue;  // hidden, or the second file of a pair
+    if (entry->is_regular_file() && find_image_format(entry->path()) != nullptr)
       files.push_back(entry->path());
   }
   std::sort(files.begin(), files.end());

@@ -26,10 +26,7 @@ struct NamesInput {
 
   /// What rows are called: the entries of JSON and XML have no lines.
   [[nodiscard]] const char* unit() const {
-    const std::size_t first = text.find_first_not_of(" \t\r\n");
-    return first != std::string::npos && std::string_view("[{<").find(text[first]) != std::string_view::npos
-               ? "entry"
-               : "line";
+    return text.find_first_not_of(" \t\r\n") == text.find_first_of("[{<") ? "entry" : "line";
   }
 
   /// "FILE: is read as TITLE: ..." as the error of a reader.

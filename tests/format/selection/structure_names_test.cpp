@@ -150,7 +150,7 @@ TEST(FindNamed, TakesNamesQuotedOrNotAndLabels) {
     ASSERT_TRUE(found) << text << found.error().message;
     EXPECT_THAT(*found, ElementsAre(expected)) << text;
   }
-  EXPECT_THAT(graph.find_named("#4"), FailsWith(ErrorCode::kNotFound, HasSubstr("the nearest: #3")));
+  EXPECT_THAT(graph.find_named("#4"), FailsWith(ErrorCode::kNotFound, HasSubstr("has the label 4")));
   EXPECT_THAT(graph.find_named("d"), FailsWith(ErrorCode::kNotFound, HasSubstr("the nearest: ")));
   EXPECT_THAT(graph.find_named("\"a"), FailsWith(ErrorCode::kUsage, HasSubstr("never closed")));
   EXPECT_THAT(graph.find_named("\"a\":surface"), FailsWith(ErrorCode::kUsage, HasSubstr("behind the name")));

@@ -13,9 +13,9 @@ using testing::HasSubstr;
 
 /// The number of voxels of a rule; -1 if it is refused.
 std::int64_t count(const VoxelBuffer& values, const Grid& grid, const std::string& rule) {
-  const auto mask = segment_volume(values, grid, *parse_segment("A=threshold:" + rule));
-  EXPECT_TRUE(mask) << mask.error().message;
-  return mask ? std::ranges::count(*mask, 1) : -1;
+  const SegmentRule parsed = parse_segment("A=threshold:" + rule).value();
+  std::vector<std::uint8_t> mask = voxels_between(values, parsed);
+  return refine_segment(mask, grid, parsed) ? std::ranges::count(mask, 1) : -1;
 }
 
 struct Scene {
@@ -57,7 +57,7 @@ TEST(SegmentVolume, TakesTheLargestPieceWithItsHolesFilled) {
 TEST(SegmentVolume, LimitsAreIncluded) {
   const Scene scene = shell();
   EXPECT_EQ(scene.count("100:100"), 512);
-  EXPECT_FALSE(segment_volume(scene.values, scene.grid, *parse_segment("A=threshold:100.5")));
+  EXPECT_EQ(scene.count("100.5"), -1);
 }
 
 TEST(SegmentVolume, AHoleThatTheGridCutsOpenIsAHole) {
@@ -72,6 +72,32 @@ TEST(SegmentVolume, NarrowGapsAreClosedOnRequest) {
   for (std::int64_t k = 3; k <= 4; ++k) scene.at(6, 6, k) = 0;  // a channel one voxel wide
   EXPECT_EQ(scene.count("50"), 512 - 64 - 2);
   EXPECT_EQ(scene.count("50:close=1"), 512);
+}
+
+/// Air in a body: two chambers of 27 and 8 voxels, the air around it, and a channel of one voxel between
+/// them.
+TEST(SegmentVolume, ChoosesPieces) {
+  Scene scene;
+  scene.grid.size = {12, 9, 9};
+  scene.values = {VoxelType::kFloat32, std::vector<std::byte>(12 * 9 * 9 * 4)};
+  const auto fill = [&](const Index3& first, const Index3& last, float value) {
+    for (std::int64_t k = first[2]; k <= last[2]; ++k) {
+      for (std::int64_t j = first[1]; j <= last[1]; ++j) {
+        for (std::int64_t i = first[0]; i <= last[0]; ++i) scene.at(i, j, k) = value;
+      }
+    }
+  };
+  fill({1, 1, 0}, {10, 7, 8}, 40);  // the body, cut by the first and last slice
+  fill({2, 2, 2}, {4, 4, 4}, 0);
+  fill({7, 2, 2}, {8, 3, 3}, 0);
+  EXPECT_EQ(scene.count("-1:1:fill=no"), 12 * 9 * 9 - 10 * 7 * 9);
+  EXPECT_EQ(scene.count("-1:1:inner"), 27);
+  EXPECT_EQ(scene.count("-1:1:inner:pieces=2"), 35);
+  EXPECT_EQ(scene.count("-1:1:seed=7.4,2,3"), 8);
+  EXPECT_EQ(scene.count("-1:1:seed=6,6,6"), -1);
+  fill({5, 3, 3}, {6, 3, 3}, 0);
+  EXPECT_EQ(scene.count("-1:1:inner"), 37);
+  EXPECT_EQ(scene.count("-1:1:inner:open=1"), 19);  // a ball of 19 voxels fits into the larger one
 }
 
 TEST(SegmentVolume, NumbersThatAreNoneAreOutside) {
@@ -117,13 +143,26 @@ TEST(ParseSegment, ReadsRules) {
   EXPECT_EQ(range->high, 300);
   EXPECT_EQ(range->close_mm, 2.5);
   EXPECT_EQ(parse_segment("Bone=threshold:otsu:close=1")->kind, SegmentRule::Kind::kOtsu);
-  const auto isosurface = parse_segment("Skull=iso:-2.5,inside= Head, left");
+  const auto isosurface = parse_segment("Skull=iso:-2.5:within= Head, left");
   ASSERT_TRUE(isosurface);
   EXPECT_EQ(isosurface->kind, SegmentRule::Kind::kIsosurface);
   EXPECT_EQ(isosurface->low, -2.5);
-  EXPECT_EQ(isosurface->inside, "Head, left");
-  EXPECT_EQ(parse_segment("Skin=iso:3")->inside, "");
+  EXPECT_EQ(isosurface->within, "Head, left");
+  EXPECT_EQ(parse_segment("Skin=iso:3")->within, "");
+  const auto all = parse_segment(
+      "Lung=threshold:-1000:-500:within=Body:pieces=2:inner:seed=1,2,-3:fill=no:overlap:color=#ff8000");
+  ASSERT_TRUE(all) << all.error().message;
+  EXPECT_EQ(all->within, "Body");
+  EXPECT_EQ(all->pieces, 2u);
+  EXPECT_EQ(all->seed_lps_mm, (Vec3{1, 2, -3}));
+  EXPECT_TRUE(all->inner && !all->fills && all->overlaps);
+  EXPECT_EQ(all->color, (Rgb{255, 128, 0}));
   for (const char* wrong : {"",
+                            "A=threshold:1:pieces=0",
+                            "A=threshold:1:seed=1,2",
+                            "A=threshold:1:within=",
+                            "A=threshold:1:color=red",
+                            "A=mask:x:inner",
                             "A",
                             "=mask:x",
                             "A=",
@@ -141,7 +180,6 @@ TEST(ParseSegment, ReadsRules) {
                             "A=iso:x",
                             "A=iso:nan",
                             "A=iso:inf",
-                            "A=iso:1,inside=",
                             "A=iso:1,B",
                             "A=iso:1:close=2",
                             "A=threshold:1:close=-1",

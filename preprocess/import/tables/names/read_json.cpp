@@ -102,8 +102,8 @@ class OpenAnatomyReader {
       if (has_type(object, "Header"))
         for_each(at(object, "root"), [&](const Json& root) { roots.insert(text_of(root)); });
     }
-    std::ranges::stable_partition(lines_,
-                                  [&](const TreeLine& line) { return roots.contains(line.node->key); });
+    std::stable_partition(lines_.begin(), lines_.end(),
+                          [&](const TreeLine& line) { return roots.contains(line.node->key); });
     for (TreeLine& line : lines_) {
       const auto parents = parents_.find(line.node->key);
       if (parents != parents_.end()) line.node->parents = parents->second;
