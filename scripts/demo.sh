@@ -7,7 +7,6 @@ cd "$(dirname "$0")/.."
 source scripts/steps.sh
 
 readonly programs=build/release/bin
-readonly templates=/usr/share/mricron/templates  # of Debian's package mricron-data
 readonly size=800x800
 
 build_programs() {
@@ -28,18 +27,13 @@ make_phantom_atlas() {
 }
 
 make_colin27_atlas() {
-  local atlas=out/colin27.atlas tree=preprocess/trees/colin27_aal.tree lesson=examples/colin27_lesson.toml
-  local head=$templates/ch2.nii.gz brain=$templates/ch2bet.nii.gz labels=$templates/aal.nii.gz names=preprocess/trees/colin27_aal.tsv
-  if up_to_date $atlas "$programs/splatlas-preprocess" $tree $lesson $head $brain $labels $names; then
+  local atlas=out/colin27.atlas options=examples/colin27.args sources
+  mapfile -t sources < <(grep -oE '[^ ":=]*/[a-z0-9_/]+\.(nii\.gz|tsv|tree|toml)' $options)
+  if up_to_date $atlas "$programs/splatlas-preprocess" $options "${sources[@]}"; then
     echo "$atlas is up to date"
     return
   fi
-  # AAL leaves a comb of thin strips of the brain at its border. The opening removes it, and the filter its crumbs.
-  "$programs/splatlas-preprocess" build -o $atlas --labels $labels --names $names --volume $head --tree $tree --scene $lesson \
-    --segment "Rest of brain=mask:$brain:open=1" --segment "Non-brain head=threshold:28:close=2" \
-    --drop-fragments "Rest of brain=10000" --drop-fragments "Non-brain head=4" \
-    --title "The Colin 27 head with the structures of AAL" \
-    --citation "Holmes et al., J Comput Assist Tomogr 22 (1998); Tzourio-Mazoyer et al., NeuroImage 15 (2002)"
+  "$programs/splatlas-preprocess" build -o $atlas @$options
 }
 
 # for_each_picture COMMAND: COMMAND PICTURE ATLAS VIEW SELECTION, for every line of the gallery.

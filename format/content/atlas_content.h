@@ -31,7 +31,7 @@ struct Scene {
 /// One input file. A whitelist: no other metadata of a source is copied, so that no patient data leaks.
 struct Source {
   std::string role;  ///< "volume", "labels", "names", "tree", "mesh"
-  std::string hash;  ///< "xxh64:<16 hex digits>" of the file's bytes
+  std::string hash;  ///< "sha256:<64 hex digits>" of the file's bytes
   friend bool operator==(const Source&, const Source&) = default;
 };
 /// Origin of the data.

@@ -95,6 +95,8 @@ std::string info_json(const Atlas& atlas) {
                         {"citation", provenance.citation},
                         {"licence", provenance.licence},
                         {"tool", provenance.tool}};
+  for (const Source& source : provenance.sources)
+    json["provenance"]["sources"].push_back({{"role", source.role}, {"hash", source.hash}});
   return json_text(json);
 }
 

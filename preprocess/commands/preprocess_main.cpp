@@ -1,7 +1,11 @@
 // Program splatlas-preprocess: builds atlases, exports their parts, and gives them other scenes.
 
+#include <algorithm>
+#include <iterator>
+#include <span>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -13,6 +17,7 @@
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
 #include "preprocess/commands/commands.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {
@@ -20,12 +25,11 @@ namespace {
 constexpr const char* kTool = "splatlas-preprocess " SPLATLAS_VERSION;
 
 constexpr const char* kDescription =
-    "Turns classified medical volumes into compact, playable anatomy atlases.\n"
-    "\n"
+    "Turns classified medical volumes into compact, playable anatomy atlases.\n\n"
     "  splatlas-preprocess build -o brain.atlas --labels aal.nii.gz --names aal.nii.txt --volume ch2.nii.gz\n"
     "  splatlas-preprocess export brain.atlas --labels labels.nii.gz\n"
     "  splatlas-preprocess lesson brain.atlas --scene lesson.toml -o lesson.atlas\n"
-    "\n"
+    "  splatlas-preprocess build @brain.args       options from a file\n\n"
     "COMMAND --help describes a command.";
 
 /// `first`: the first word of the command line, or "". `fault`: CLI11's message.
@@ -43,7 +47,26 @@ tl::unexpected<Error> wrong_usage(const CLI::App& app, const std::string& first,
               in_quotes(first), first.starts_with('-') ? "option" : "command");
 }
 
+/// The words of the command line, the last first. "@FILE" stands for those in a file: with quotes as in a
+/// shell, and comments in lines that begin with "#".
+Result<std::vector<std::string>> words_of(std::span<char* const> arguments) {
+  std::vector<std::string> words;
+  for (const std::string_view word : arguments.subspan(1)) {
+    if (word.starts_with('@')) {
+      SPLATLAS_ASSIGN_OR_RETURN(const std::vector<TextLine> lines, read_text_lines(word.substr(1)));
+      for (const TextLine& line : lines)
+        std::ranges::move(CLI::detail::split_up(line.text), std::back_inserter(words));
+    } else {
+      words.emplace_back(word);
+    }
+  }
+  return std::vector(words.rbegin(), words.rend());
+}
+
 Result<void> run(int argc, char** argv) {
+  SPLATLAS_ASSIGN_OR_RETURN(std::vector<std::string> words, words_of({argv, static_cast<std::size_t>(argc)}));
+  const std::string first = words.empty() ? std::string() : words.back();
+
   CLI::App app{kDescription, "splatlas-preprocess"};
   app.set_version_flag("--version", std::string(kTool) + " (atlas format 1)");
   app.get_formatter()->column_width(30);
@@ -56,7 +79,7 @@ Result<void> run(int argc, char** argv) {
   const CLI::App* lesson = add_lesson(app, lesson_request);
   add_export(app, export_options);
   try {
-    app.parse(argc, argv);
+    app.parse(std::move(words));
   } catch (const CLI::Success& help_or_version) {
     std::ostringstream text;
     app.exit(help_or_version, text);
@@ -64,7 +87,7 @@ Result<void> run(int argc, char** argv) {
   } catch (const CLI::ValidationError& error) {
     return fail(ErrorCode::kUsage, error.what());
   } catch (const CLI::ParseError& error) {
-    return wrong_usage(app, argc > 1 ? argv[1] : "", fault_of_usage(app, error));
+    return wrong_usage(app, first, fault_of_usage(app, error));
   }
   install_interrupt_handlers();
   const auto run_command = [&](const std::filesystem::path& file, const auto& command,

@@ -1,12 +1,10 @@
 #include "preprocess/commands/progress_display.h"
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include "format/program/standard_output.h"
@@ -22,24 +20,10 @@ std::optional<double> estimate_remaining(const BuildProgress& progress) {
   return progress.total_seconds * (1 - progress.total_fraction) / progress.total_fraction;
 }
 
-std::string bar(double fraction, int width) {
-  const int filled = static_cast<int>(std::lround(fraction * width));
-  return std::string(static_cast<std::size_t>(filled), '#') +
-         std::string(static_cast<std::size_t>(width - filled), '.');
-}
-
-/// Width of the terminal behind `stream`.
-int columns_of(std::FILE* stream) {
-  constexpr int kDefault = 80;
-  winsize size{};
-  const bool known = ::ioctl(::fileno(stream), TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
-  return known ? size.ws_col : kDefault;
-}
-
 }  // namespace
 
 ProgressMode automatic_progress(std::FILE* stream) {
-  return ::isatty(::fileno(stream)) != 0 ? ProgressMode::kBar : ProgressMode::kLines;
+  return ::isatty(::fileno(stream)) != 0 ? ProgressMode::kPercent : ProgressMode::kLines;
 }
 
 std::string remaining_time(const BuildProgress& progress) {
@@ -59,7 +43,7 @@ void ProgressDisplay::show(const BuildProgress& progress) {
   if (!ends_or_begins && now - last_shown_ < kPause) return;
   last_shown_ = now;
   switch (mode_) {
-    case ProgressMode::kBar: return show_bar(progress);
+    case ProgressMode::kPercent: return show_percent(progress);
     case ProgressMode::kJson: return show_json(progress);
     case ProgressMode::kLines:
       if (progress.stage_ended)
@@ -69,18 +53,11 @@ void ProgressDisplay::show(const BuildProgress& progress) {
   }
 }
 
-void ProgressDisplay::show_bar(const BuildProgress& progress) {
+void ProgressDisplay::show_percent(const BuildProgress& progress) {
   const bool ended = progress.stage_ended;
   const std::string time =
       ended ? fmt::format("{:6.2f} s", progress.stage_seconds) : remaining_time(progress);
-  // Never let a line wrap: "\r" returns to the start of the last row only.
-  constexpr int kRest = 40, kWidestBar = 24;
-  const int columns = columns_of(stream_);
-  const int width = std::clamp(columns - kRest, 0, kWidestBar);
-  const std::string line =
-      fmt::format("{:<10} [{}] {:3.0f} %  {}", progress.stage, bar(progress.stage_fraction, width),
-                  100 * progress.stage_fraction, time);
-  PrintableText text("\r{}\x1b[K", line.substr(0, static_cast<std::size_t>(columns - 1)));
+  PrintableText text("\r{:<10} {:3.0f} %  {}\x1b[K", progress.stage, 100 * progress.stage_fraction, time);
   print_to(stream_, ended ? text.add("\n") : text);
   line_open_ = !ended;
 }

@@ -10,13 +10,13 @@
 namespace splatlas {
 
 enum class ProgressMode {
-  kBar,    ///< one line per stage with a bar, rewritten in place
-  kLines,  ///< one line per stage when it has ended
-  kJson,   ///< one JSON object per line
+  kPercent,  ///< one line per stage, rewritten in place
+  kLines,    ///< one line per stage when it has ended
+  kJson,     ///< one JSON object per line
   kNone,
 };
 
-/// kBar on a terminal, otherwise kLines.
+/// kPercent on a terminal, otherwise kLines.
 [[nodiscard]] ProgressMode automatic_progress(std::FILE* stream);
 
 class ProgressDisplay {
@@ -29,7 +29,7 @@ class ProgressDisplay {
   void finish();
 
  private:
-  void show_bar(const BuildProgress& progress);
+  void show_percent(const BuildProgress& progress);
   void show_json(const BuildProgress& progress);
 
   ProgressMode mode_;

@@ -43,6 +43,22 @@ TEST_F(PreprocessOutput, StrictTellsTheWarningOnce) {
   EXPECT_EQ(result.err.find(told), result.err.rfind(told));
 }
 
+/// "@FILE" stands for the words of a file; its atlas has the same bytes.
+TEST_F(PreprocessOutput, OptionsComeFromAFile) {
+  const std::string labels = phantom_folder().file("labels.nrrd");
+  write_bytes(folder_.file("a.args"),
+              "# two balls\n--labels " + labels + "\n\n  --title \"Two balls\" --compact\r\n");
+  const auto build = [&](const Words& words) {
+    return run_preprocess(joined({"build", "-o"}, words), folder_.path());
+  };
+  ASSERT_EQ(build({"x.atlas", "@a.args"}).status, 0);
+  ASSERT_EQ(build({"y.atlas", "--labels", labels, "--title", "Two balls", "--compact"}).status, 0);
+  EXPECT_EQ(bytes("x.atlas"), bytes("y.atlas"));
+  const ProgramResult missing = build({"z.atlas", "@missing.args"});
+  EXPECT_EQ(missing.status, 1);
+  EXPECT_THAT(missing.err, HasSubstr("missing.args: no such file"));
+}
+
 TEST_F(PreprocessOutput, AFailureLeavesNoFile) {
   constexpr StructureIndex kLevels = 60;  // of two groups each, with 2^60 paths
   TestVolume volume;

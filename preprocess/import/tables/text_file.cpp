@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
-#include <memory>
 #include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nettle/sha2.h>
 #include <utf8cpp/utf8.h>
-#include <xxhash.h>
 
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
@@ -118,23 +118,21 @@ std::string first_bytes(const std::filesystem::path& path, std::size_t count) {
 }
 
 Result<std::string> hash_file(const std::filesystem::path& path) {
-  struct FreeState {
-    void operator()(XXH64_state_t* state) const { XXH64_freeState(state); }
-  };
-  const std::unique_ptr<XXH64_state_t, FreeState> state(XXH64_createState());
-  if (!state) return fail(ErrorCode::kLimit, path.string() + ": out of memory");
-  XXH64_reset(state.get(), 0);
-  std::vector<char> block(1 << 18);
+  sha256_ctx state;
+  sha256_init(&state);
+  std::vector<std::uint8_t> block(1 << 18);
   for (const std::filesystem::path& name : regular_files_of(path)) {
     std::ifstream file(name, std::ios::binary);
     if (!file) return bad_file(name, "cannot be read");
     while (file) {
-      file.read(block.data(), static_cast<std::streamsize>(block.size()));
-      XXH64_update(state.get(), block.data(), static_cast<std::size_t>(file.gcount()));
+      file.read(reinterpret_cast<char*>(block.data()), static_cast<std::streamsize>(block.size()));
+      sha256_update(&state, static_cast<std::size_t>(file.gcount()), block.data());
     }
     if (file.bad()) return bad_file(name, "cannot be read");
   }
-  return fmt::format("xxh64:{:016x}", XXH64_digest(state.get()));
+  std::array<std::uint8_t, SHA256_DIGEST_SIZE> digest{};
+  sha256_digest(&state, digest.size(), digest.data());
+  return fmt::format("sha256:{:02x}", fmt::join(digest, ""));
 }
 
 std::vector<std::string_view> split_blanks(std::string_view text) {

@@ -38,7 +38,7 @@ struct TextLine {
 /// The first `count` bytes of a file, or all that it has; none if it cannot be read.
 [[nodiscard]] std::string first_bytes(const std::filesystem::path& path, std::size_t count);
 
-/// "xxh64:" and 16 hexadecimal digits, as printed by `xxh64sum FILE`. Reads the file once; of a folder all
+/// "sha256:" and 64 hexadecimal digits, as printed by `sha256sum FILE`. Reads the file once; of a folder all
 /// regular files, in the order of their paths, as one. kFailed if one cannot be read.
 [[nodiscard]] Result<std::string> hash_file(const std::filesystem::path& path);
 

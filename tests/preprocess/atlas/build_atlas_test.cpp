@@ -197,7 +197,7 @@ TEST_F(BuildAtlas, ProvenanceHoldsHashesAndWordsOfTheAuthorOnly) {
   ASSERT_EQ(content.provenance.sources.size(), 2u);
   EXPECT_EQ(content.provenance.sources[0].role, "labels");
   EXPECT_EQ(content.provenance.sources[1].role, "volume");
-  EXPECT_THAT(content.provenance.sources[1].hash, testing::MatchesRegex("xxh64:[0-9a-f]{16}"));
+  EXPECT_THAT(content.provenance.sources[1].hash, testing::MatchesRegex("sha256:[0-9a-f]{64}"));
   for (const Structure& s : content.graph.structures()) EXPECT_EQ(s.name.find("CANARY"), std::string::npos);
   EXPECT_EQ(read_bytes(build_options.output).find("CANARY"), std::string::npos);
 }

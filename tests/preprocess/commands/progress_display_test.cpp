@@ -43,8 +43,8 @@ std::size_t count(const std::string& text, const std::string& part) {
   return found;
 }
 
-TEST(ProgressDisplay, ABarBeginsAndEndsOnce) {
-  const std::string text = shown(ProgressMode::kBar);
+TEST(ProgressDisplay, ALineIsRewrittenUntilItsEnd) {
+  const std::string text = shown(ProgressMode::kPercent);
   for (const std::string percent : {"   0 %", "  50 %", " 100 %"})
     EXPECT_EQ(count(text, percent), 2u) << text;
   EXPECT_EQ(count(text, "\n"), 2u);
