@@ -77,21 +77,4 @@ class DecisionTree {
   std::vector<bool> crossed_;  // per entry of boundary_: true for Part::kCrossed
 };
 
-/// A term of a selection that shows nothing of its own, because a later term hides it.
-struct HiddenTerm {
-  std::size_t term = 0, hidden_by = 0;  ///< numbers of the terms in the text, from 0
-  std::string message;                  ///< one line: column, both names, remedy
-  friend bool operator==(const HiddenTerm&, const HiddenTerm&) = default;
-};
-
-/// Finds added terms that later added terms hide completely, in the order of the text:
-///   - The selection is the same without the term: later terms select its structures again, and it gives them
-///     no part, opacity, color or transfer function that lasts.
-///   - All voxels of its structures lie in structures of later terms, which take precedence.
-/// Removals hide nothing: they are what was asked for. kNotFound as for resolve_selection(). Cost: linear in
-/// the structures that the terms select, and that of DecisionTree::plan(). Thread-safe.
-[[nodiscard]] Result<std::vector<HiddenTerm>> find_hidden_terms(std::span<const SelectionTerm> terms,
-                                                                const StructureGraph& graph,
-                                                                const DecisionTree& tree);
-
 }  // namespace splatlas

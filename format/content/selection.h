@@ -147,4 +147,16 @@ struct Selection {
 /// (0, 1] and valid styles (see VolumeStyle).
 [[nodiscard]] std::string to_text(const Selection& selection, const StructureGraph& graph);
 
+/// An added term that later terms make superfluous: they select its structures in the same way.
+struct HiddenTerm {
+  std::size_t term = 0, hidden_by = 0;  ///< numbers of the terms in the text, from 0
+  std::string message;                  ///< one line: column, both names, remedy
+  friend bool operator==(const HiddenTerm&, const HiddenTerm&) = default;
+};
+
+/// Finds these terms, in the order of the text, among at most 64. Removals hide nothing: they are what was
+/// asked for. kNotFound as for resolve_selection(), whose cost it has for each term. Thread-safe.
+[[nodiscard]] Result<std::vector<HiddenTerm>> find_hidden_terms(std::span<const SelectionTerm> terms,
+                                                                const StructureGraph& graph);
+
 }  // namespace splatlas

@@ -75,7 +75,7 @@ class StructureGraph {
   /// nearest names, or the candidates' paths and ids. Throws as check_task(). Cost: linear in the structures,
   /// their parents and the total length of names and terms, times the length of a pattern (at most 256).
   [[nodiscard]] Result<std::vector<StructureIndex>> find(std::string_view name) const;
-  /// The structure with a value in the source label map. kNotFound, with the nearest labels, if there is
+  /// The structure with a value in the source label map. kNotFound if there is
   /// none, and if it is ambiguous. Cost: linear in the structures.
   [[nodiscard]] Result<StructureIndex> find_label(std::int64_t label) const;
   /// The structures of a NAME or a label of the selection language, as "Left cerebrum" or #17. Quotes are

@@ -200,13 +200,13 @@ std::string remedy_for(const SelectionTerm& term, std::span<const SelectionTerm>
                        const StructureGraph& graph) {
   auto n = static_cast<std::size_t>(&term - terms.data());
   while (n > 0 && terms[n].remove) --n;
-  std::string name = terms[n].name;
+  std::string name = terms[n].name, remedy;
   while (++n < terms.size() && terms[n].remove) {
     name += "-" + terms[n].name;
     if (name.find('*') == std::string::npos && graph.find(name))
-      return fmt::format("; write {} in quotes", in_quotes(name));
+      remedy = fmt::format("; write {} in quotes", in_quotes(name));
   }
-  return {};
+  return remedy;
 }
 
 Result<Selection> resolve_selection(std::span<const SelectionTerm> terms, const StructureGraph& graph) {

@@ -27,13 +27,8 @@ namespace splatlas {
 namespace {
 
 constexpr const char* kDescription =
-    "Plays anatomy atlases: any selection of structures, each as surface, volume or both.\n"
-    "\n"
-    "  splatlas-player brain.atlas                 plays in the browser\n"
-    "  splatlas-player render brain.atlas -o picture.png --select 'Cerebellum:surface'\n"
-    "  splatlas-player export brain.atlas --html brain.html    writes a page for browsers\n"
-    "  splatlas-player export *.atlas --site site              writes pages for a web server\n"
-    "  splatlas-player info brain.atlas            lists structures and sizes";
+#include "player/commands/description.txt"
+    ;
 
 constexpr const char* kVersion = "splatlas-player " SPLATLAS_VERSION " (atlas format 1)";
 

@@ -12,8 +12,7 @@ namespace splatlas {
 Result<std::vector<std::string>> selection_warnings(std::span<const SelectionTerm> terms,
                                                     const Atlas& atlas) {
   constexpr std::size_t kMaxWarnings = 5;
-  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<HiddenTerm> hidden,
-                            find_hidden_terms(terms, atlas.graph(), atlas.tree()));
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<HiddenTerm> hidden, find_hidden_terms(terms, atlas.graph()));
   std::vector<std::string> warnings;
   for (const HiddenTerm& term : std::span(hidden).first(std::min(hidden.size(), kMaxWarnings))) {
     warnings.push_back(term.message);

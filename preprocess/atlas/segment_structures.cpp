@@ -110,13 +110,20 @@ class Segmenter {
   }
 
   /// The mask of segment n. Consumes the mask from its file.
-  [[nodiscard]] Result<std::vector<std::uint8_t>> voxels_of(std::size_t n) const {
+  [[nodiscard]] Result<std::vector<std::uint8_t>> voxels_of(std::size_t n, Notes& notes) const {
     auto& [rule, mask] = model_.segments[n];
     if (rule.kind == SegmentRule::Kind::kIsosurface) return isosurface(rule, n);
     const bool is_mask = rule.kind == SegmentRule::Kind::kMask;
     if (!is_mask) mask = voxels_between(model_.values, rule);
     SPLATLAS_RETURN_IF_ERROR(keep_within(rule, n, mask));
-    if (!is_mask) SPLATLAS_RETURN_IF_ERROR(refine_segment(mask, grid_, rule));
+    if (!is_mask) {
+      const auto before = std::ranges::count(mask, 1);
+      SPLATLAS_RETURN_IF_ERROR(refine_segment(mask, grid_, rule));
+      SPLATLAS_RETURN_IF_ERROR(keep_within(rule, n, mask));  // again: holes may lie outside
+      if (const auto after = std::ranges::count(mask, 1); 3 * after > 4 * before)
+        notes.add("filled-segments", fmt::format("{} ({} of {} voxels; :fill=no keeps holes)", rule.name,
+                                                 after - before, after));
+    }
     std::vector<bool> excludes(placed_.index_of_source.size(), true);  // [source]
     for (std::size_t other = 0; other < model_.segments.size(); ++other) {
       if (model_.segments[other].rule.kind == SegmentRule::Kind::kIsosurface)
@@ -213,7 +220,7 @@ Result<void> segment_structures(SourceModel& model, const PlacedStructures& plac
   const std::size_t first_segment = segmenter.first_source();
   fragments.apply(model.memberships, 0, first_segment);
   for (std::size_t n = 0; n < model.segments.size(); ++n) {
-    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::uint8_t> mask, segmenter.voxels_of(n));
+    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::uint8_t> mask, segmenter.voxels_of(n, notes));
     const std::size_t structure = first_segment + n;
     if (model.memberships.add(static_cast<StructureIndex>(structure), mask) == 0) {
       notes.add("segments-without-voxels", model.segments[n].rule.name);

@@ -12,14 +12,9 @@ std::string escaped_html(const std::string& text) {
   return escaped_markup(printable(text));
 }
 
-constexpr const char* kHead = R"(<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8"><title>{0}</title>
-<style>
-body {{ font: 16px/1.5 sans-serif; max-width: 50em; margin: 2em auto; padding: 0 1em; }}
-.warning {{ border-left: 4px solid #c33; padding-left: .7em; }} .warning {{ border-color: #d90; }}
-.note {{ border-left: 4px solid #69c; padding-left: .7em; }} summary {{ cursor: pointer; }}
-</style></head><body><h1>{0}</h1>
-)";
+constexpr const char* kHead =
+#include "preprocess/commands/report_head.txt"
+    ;
 
 }  // namespace
 

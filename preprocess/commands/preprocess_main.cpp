@@ -25,12 +25,8 @@ namespace {
 constexpr const char* kTool = "splatlas-preprocess " SPLATLAS_VERSION;
 
 constexpr const char* kDescription =
-    "Turns classified medical volumes into compact, playable anatomy atlases.\n\n"
-    "  splatlas-preprocess build -o brain.atlas --labels aal.nii.gz --names aal.nii.txt --volume ch2.nii.gz\n"
-    "  splatlas-preprocess export brain.atlas --labels labels.nii.gz\n"
-    "  splatlas-preprocess lesson brain.atlas --scene lesson.toml -o lesson.atlas\n"
-    "  splatlas-preprocess build @brain.args       options from a file\n\n"
-    "COMMAND --help describes a command.";
+#include "preprocess/commands/description.txt"
+    ;
 
 /// `first`: the first word of the command line, or "". `fault`: CLI11's message.
 tl::unexpected<Error> wrong_usage(const CLI::App& app, const std::string& first, const std::string& fault) {

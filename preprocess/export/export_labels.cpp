@@ -36,15 +36,6 @@ bool is_safe_character(char c) {
   return is_ascii_letter_or_digit(c) || c == '_' || c == '-' || c == '.';
 }
 
-/// Windows opens a device for these names, whatever follows the first dot.
-bool is_device(std::string_view name) {
-  const std::string base = to_lower(name.substr(0, name.find('.')));
-  constexpr std::array<std::string_view, 4> kDevices{"con", "prn", "aux", "nul"};
-  if (std::ranges::find(kDevices, base) != kDevices.end()) return true;
-  return base.size() == 4 && (base.starts_with("com") || base.starts_with("lpt")) && base[3] >= '0' &&
-         base[3] <= '9';
-}
-
 /// The name with safe characters only, of at most kMaxBytes. Safe names are unchanged.
 std::string safe_name(std::string_view name) {
   std::string safe;
@@ -54,7 +45,7 @@ std::string safe_name(std::string_view name) {
     if (is_safe || !in_run) safe += is_safe ? c : '_';
     in_run = !is_safe;
   }
-  if (safe.empty() || safe.front() == '-' || safe.front() == '.' || is_device(safe)) safe.insert(0, 1, '_');
+  if (safe.empty() || safe.front() == '-' || safe.front() == '.') safe.insert(0, 1, '_');
   safe.resize(std::min(safe.size(), kMaxBytes));
   if (safe.back() == '.') safe.back() = '_';
   return safe;
@@ -111,28 +102,23 @@ std::vector<StructureIndex> masked_structures(const StructureGraph& graph, const
   return masked;
 }
 
-/// Lists ids whose files have other names: at most ten. "" if there are none.
+/// Tells how many ids have files of other names. "" if there are none.
 std::string note_changed_names(const std::vector<std::string>& ids, const std::vector<std::string>& files,
                                const std::string& ending, const std::string& folder) {
-  constexpr std::size_t kMaxListed = 10;
   std::size_t changed = 0;
-  std::string list;
-  for (std::size_t n = 0; n < ids.size(); ++n) {
-    if (files[n] == ids[n] + ending || ++changed > kMaxListed) continue;
-    list += fmt::format("{}{} is {}", list.empty() ? "" : ", ", in_quotes(ids[n]), files[n]);
-  }
+  for (std::size_t n = 0; n < ids.size(); ++n) changed += files[n] == ids[n] + ending ? 0 : 1;
   if (changed == 0) return {};
-  if (changed > kMaxListed) list += fmt::format(" and {} more", changed - kMaxListed);
-  return fmt::format("{}: {} {} no safe file {}: {}", folder, changed, changed == 1 ? "id is" : "ids are",
-                     changed == 1 ? "name" : "names", list);
+  return fmt::format("{}: {} of the ids are no safe file names; their files have \"_\" in them", folder,
+                     changed);
 }
 
-VoxelBuffer mask_of(std::span<const StructureClass> members, const AtlasContent& content) {
-  const std::vector<std::uint8_t> parts = parts_of(members, content.classes.size());
-  VoxelBuffer stored{VoxelType::kUInt8, std::vector<std::byte>(content.class_volume.size())};
-  std::ranges::transform(content.class_volume, stored.bytes.begin(),
-                         [&](ClassId c) { return std::byte{parts[c] != 0}; });
-  return to_source_order(stored, content);
+/// `classes`: the class of each voxel.
+VoxelBuffer mask_of(std::span<const StructureClass> members, std::size_t count, const VoxelBuffer& classes) {
+  const std::vector<std::uint8_t> parts = parts_of(members, count);
+  VoxelBuffer mask{VoxelType::kUInt8, std::vector<std::byte>(classes.bytes.size() / sizeof(ClassId))};
+  std::transform(classes.as<ClassId>(), classes.as<ClassId>() + mask.bytes.size(), mask.bytes.begin(),
+                 [&](ClassId c) { return std::byte{parts[c] != 0}; });
+  return mask;
 }
 
 Result<ExportedMasks> write_masks(const AtlasContent& content, const fs::path& path, OutputFolder& folder) {
@@ -142,9 +128,12 @@ Result<ExportedMasks> write_masks(const AtlasContent& content, const fs::path& p
   for (const StructureIndex s : masked) ids.push_back(content.graph[s].id);
   const std::string ending = mask_ending(content.source_grid);
   const std::vector<std::string> files = file_names_of(ids, ending);
+  const auto stored = std::as_bytes(std::span(content.class_volume));
+  const VoxelBuffer classes = to_source_order({VoxelType::kUInt32, {stored.begin(), stored.end()}}, content);
   const auto encode = [&](std::size_t n) {
-    return encode_mask_file({content.source_grid, mask_of(structure_classes.of(masked[n]), content)},
-                            path / files[n]);
+    return encode_mask_file(
+        {content.source_grid, mask_of(structure_classes.of(masked[n]), content.classes.size(), classes)},
+        path / files[n]);
   };
   const std::size_t at_once = std::clamp(std::thread::hardware_concurrency(), 1u, 4u);  // bounds the memory
   for (std::size_t first = 0; first < masked.size(); first += at_once) {

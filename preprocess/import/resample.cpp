@@ -153,6 +153,7 @@ std::optional<Margin> margin_within(const Grid& part, const Grid& whole) {
   const Vec3 first = lps_mm_to_index(outer).apply(inner.origin_lps_mm);
   Margin margin;
   for (std::size_t a = 0; a < 3; ++a) {
+    if (!(std::abs(first[a]) < static_cast<double>(kMaxAxisSize))) return std::nullopt;
     margin.low[a] = std::llround(first[a]);
     margin.high[a] = outer.size[a] - inner.size[a] - margin.low[a];
     if (margin.low[a] < 0 || margin.high[a] < 0) return std::nullopt;

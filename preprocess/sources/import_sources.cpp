@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <span>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -155,7 +154,8 @@ class SourceImporter {
     if (!names_) return {};
     std::vector<TreeLine> hierarchy = names_->hierarchy;
     const NamesFormat dialect = names_->dialect;
-    if (const auto fit = name_labels(labels, *std::exchange(names_, std::nullopt), files_.allow_empty);
+    if (const auto fit = name_labels(labels, *std::exchange(names_, std::nullopt),
+                                     files_.allow_empty && !files_.labels.empty());
         !fit) {
       return bad_file(files_.names, "is read as {}, and no row fits {}: {}",
                       std::ranges::find(names_formats(), dialect, &NamesFormatInfo::format)->title, source,

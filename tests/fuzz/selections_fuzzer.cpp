@@ -77,7 +77,7 @@ void fuzz_selections(FuzzInput input) {
   check_terms(*terms, text);
   const auto selection = resolve_selection(*terms, graph);
   if (!selection) return require_error(selection.error(), {ErrorCode::kNotFound, ErrorCode::kUsage});
-  for (const HiddenTerm& hidden : require_value(find_hidden_terms(*terms, graph, tree))) {
+  for (const HiddenTerm& hidden : require_value(find_hidden_terms(*terms, graph))) {
     require(hidden.term < terms->size() && hidden.hidden_by < terms->size(), "a hidden term out of range");
     require(hidden.term != hidden.hidden_by && !(*terms)[hidden.term].remove, "a hidden term that is none");
   }

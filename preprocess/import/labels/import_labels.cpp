@@ -348,8 +348,12 @@ Result<ImportedLabels> import_mask_folder(const fs::path& folder, const std::opt
       SPLATLAS_ASSIGN_OR_RETURN(labels, MaskFolder(files).import(frequent));
     }
   }
-  if (labels.structures.empty())
-    return bad_file(folder, "holds no mask with voxels; a label map is given as a file, not as its folder");
+  if (labels.structures.empty()) {
+    std::string why;
+    for (const Note& note : labels.notes.all()) why += note.message() + "; ";
+    return bad_file(folder, "holds no mask with voxels; {}a label map is given as a file, not as its folder",
+                    why);
+  }
   return labels;
 }
 

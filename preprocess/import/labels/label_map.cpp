@@ -216,6 +216,8 @@ Result<ImportedLabels> read_label_map(SourceImage image, const std::string& name
   if (!found) return tl::unexpected(found.error());
   note_rounding(*found, stored.type, name, result.notes);
   if (!as_labels) result.doubt = doubt_about(*found, size);
+  constexpr std::size_t kMaxDoubted = 65536;
+  if (!result.doubt.empty() && found->labels.size() > kMaxDoubted) return bad_file(name, "{}", result.doubt);
 
   std::vector<std::uint32_t> sorted = found->labels;
   std::sort(sorted.begin(), sorted.end());

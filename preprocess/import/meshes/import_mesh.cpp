@@ -95,6 +95,7 @@ Result<void> check_ply(const fs::path& path) {
     return bad_file(path, "line {} is not that of a PLY file of vertices, then faces", number);
   };
   for (auto words = read_words(); line != "end_header"; words = read_words()) {
+    if (!words.empty() && (words[0] == "comment" || words[0] == "obj_info")) continue;
     is_text = is_text || line == "format ascii 1.0";
     const bool is_list = words.size() == 5;
     const bool is_wide = is_list && !words[2].ends_with("char") && !words[2].ends_with("int8");

@@ -55,7 +55,12 @@ std::optional<Rgb> parse_table_color(std::string_view text, double scale) {
   const std::string lower = to_lower(trimmed(text));
   if (lower.starts_with('#')) return parse_hex(std::string_view(lower).substr(1));
   const auto numbers = parse_numbers(lower);
-  if (!numbers) return lower.size() == 6 || lower.size() == 8 ? parse_hex(lower) : std::nullopt;
+  const bool may_be_hex =
+      lower.size() == 6 || (lower.size() == 8 && !parse_number(lower));  // else a packed number
+  if (!numbers) return may_be_hex ? parse_hex(lower) : std::nullopt;
+  // Fractions among whole numbers
+  const bool is_fraction = std::ranges::any_of(*numbers, [](double x) { return std::floor(x) != x; });
+  if (scale == 1 && is_fraction && std::ranges::max(*numbers) <= 1) return std::nullopt;
   std::array<std::uint8_t, 3> rgb{};
   for (std::size_t n = 0; n < 3; ++n) {
     const double channel = std::round((*numbers)[n] * scale);
@@ -71,14 +76,14 @@ double scale_of_colors(std::span<const std::string> texts) {
     if (const auto numbers = parse_numbers(to_lower(trimmed(text))))
       most = std::max(most, std::ranges::max(*numbers));
   }
-  return most > 0 && most <= 1 ? 255 : 1;
+  return most > 0 && most <= 1.001 ? 255 : 1;  // with rounding errors
 }
 
 std::optional<Rgb> parse_css_color(std::string_view text) {
   const std::string lower = to_lower(trimmed(text));
   const std::vector<std::string_view> words = split_blanks(kCssColors);
   const auto named = std::ranges::find(words, lower);
-  return parse_table_color(named != words.end() && named + 1 != words.end() ? named[1] : lower);
+  return parse_table_color(named != words.end() && !lower.starts_with('#') ? named[1] : lower);
 }
 
 }  // namespace splatlas

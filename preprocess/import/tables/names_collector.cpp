@@ -10,8 +10,6 @@
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
-namespace {}  // namespace
-
 std::optional<std::int64_t> parse_label(std::string_view text) {
   auto label = parse_integer(text);
   if (!label) {

@@ -26,7 +26,8 @@ struct NamesInput {
 
   /// What rows are called: the entries of JSON and XML have no lines.
   [[nodiscard]] const char* unit() const {
-    return text.find_first_not_of(" \t\r\n") == text.find_first_of("[{<") ? "entry" : "line";
+    const std::size_t first = std::min(text.find_first_not_of(" \t\r\n"), text.size());
+    return text.substr(first, 1).find_first_of("[{<") == 0 ? "entry" : "line";
   }
 
   /// "FILE: is read as TITLE: ..." as the error of a reader.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <ranges>
 #include <set>
 #include <unordered_map>
 
@@ -28,7 +29,7 @@ struct Alias {
 };
 
 std::string plain_name(std::string_view name) {
-  std::string plain = to_lower(trimmed(name));
+  std::string plain = to_lower(trimmed(name.substr(0, name.find('('))));  // "Red (0-255)"
   std::ranges::replace_if(
       plain, [](char c) { return c == ' ' || c == '-' || c == '.' || c == ':'; }, '_');
   return plain;
@@ -116,10 +117,11 @@ bool are_colors(const std::vector<std::string>& values) {
 }
 
 bool are_texts(const std::vector<std::string>& values) {
-  return !values.empty() && std::ranges::none_of(values, is_number);
+  return 2 * std::ranges::count_if(values, is_number) < std::ssize(values);  // a name may be a number
 }
 
-/// Gives a role that no column has to the first unknown one whose values fit; of labels, to the only one.
+/// Gives a role that no column has to the first unknown one whose values fit; of labels, to the only one, or
+/// the only one that counts from 1.
 void find_by_values(const Table& table, ColumnRole role, bool (*fits)(const std::vector<std::string>& values),
                     std::vector<Column>& columns) {
   if (find_column(columns, role) != std::string::npos) return;
@@ -128,6 +130,12 @@ void find_by_values(const Table& table, ColumnRole role, bool (*fits)(const std:
     const bool may_be = columns[n].role == ColumnRole::kUnknown ||
                         (role == ColumnRole::kLabel && columns[n].role == ColumnRole::kCode);
     if (may_be && fits(values_of(table, n))) found.push_back(n);
+  }
+  if (role == ColumnRole::kLabel && found.size() > 1) {
+    std::erase_if(found, [&](std::size_t n) {
+      const std::vector<std::string> values = values_of(table, n);
+      return parse_label(values.front()) != 1 || parse_label(values.back()) != std::ssize(values);
+    });
   }
   if (found.size() == 1 || (role != ColumnRole::kLabel && !found.empty()))
     columns[found.front()] = {role, {}};
@@ -244,7 +252,9 @@ Table parse_table(std::string_view text, char separator) {
       continue;
     }
     if (table.columns.empty()) {
+      constexpr std::size_t kMaxColumns = 1000;
       table.columns = std::move(row->fields);
+      table.columns.resize(std::min(table.columns.size(), kMaxColumns));
       continue;
     }
     while (row->fields.size() > table.columns.size() && row->fields.back().empty()) row->fields.pop_back();
@@ -307,11 +317,15 @@ std::vector<Column> columns_of(const Table& table) {
       if (static_cast<int>(columns[n].role) == role && n != best) columns[n].role = ColumnRole::kUnknown;
     }
   }
+  const bool has_key = find_column(columns, ColumnRole::kKey) != std::string::npos;
   const std::size_t name = find_column(columns, ColumnRole::kName);
   const bool has_label = find_column(columns, ColumnRole::kLabel) != std::string::npos;
-  if (!has_label && name != std::string::npos && are_labels(values_of(table, name)))
+  const auto is_text = [&](std::size_t n) {
+    return n != name && columns[n].role == ColumnRole::kUnknown && are_texts(values_of(table, n));
+  };
+  const bool has_text = std::ranges::any_of(std::views::iota(std::size_t{0}, columns.size()), is_text);
+  if (!has_label && !has_key && has_text && name != std::string::npos && are_labels(values_of(table, name)))
     columns[name].role = ColumnRole::kUnknown;
-  const bool has_key = find_column(columns, ColumnRole::kKey) != std::string::npos;
   if (find_column(columns, ColumnRole::kRed) == std::string::npos)
     find_by_values(table, ColumnRole::kColor, are_colors, columns);
   find_by_values(table, ColumnRole::kName, are_texts, columns);
@@ -331,8 +345,7 @@ void add_header(Table& table) {
       return;
     }
   };
-  if (are_labels(values_of(table, count - 1)) && !are_labels(values_of(table, 0))) names.back() = "label";
-  if (names.back().empty()) claim("label", are_labels);
+  names[parse_label(table.rows[0].fields[0]) ? 0 : count - 1] = "label";
   claim("color", are_colors);
   claim("name", are_texts);
   const auto are_numbers = [&](std::size_t n) {

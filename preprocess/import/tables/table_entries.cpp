@@ -15,6 +15,9 @@ namespace splatlas {
 namespace {
 
 /// Reads rows by the roles of their columns.
+/// Behind a name of a path in columns, as no text holds it.
+constexpr char kLevelEnd = '\x1f';
+
 class EntryReader {
  public:
   EntryReader(const Table& table, NamesCollector& into)
@@ -61,11 +64,13 @@ class EntryReader {
     entry.name.key = entry.key;
     if (entry.key.empty()) entry.key = entry.label;
     entry.parent = field(row, ColumnRole::kParent);
-    if (to_lower(entry.parent) == "null") entry.parent.clear();
+    for (const char* none : {"null", "none", "na", "-"}) {
+      if (to_lower(entry.parent) == none) entry.parent.clear();
+    }
     entry.path = field(row, ColumnRole::kPath);
     for (std::size_t n = 0; n < columns_.size(); ++n) {
       if (columns_[n].role == ColumnRole::kLevel && !field(row, n).empty())
-        entry.path += field(row, n) + " > ";
+        entry.path += field(row, n) + kLevelEnd;
     }
     entry.name.code = parse_integer(field(row, ColumnRole::kCode));
     read_color(row, entry);
@@ -147,15 +152,23 @@ std::string key_of_id(std::string_view id) {
   return "id:" + (label ? fmt::format("{}", *label) : name_key(id));
 }
 
-/// The parts of "/997/8/", "[997, 8]", "997;8", "Brain/Left" or "Brain > Left".
+/// The parts of "/997/8/", "[997, 8]", "997;8", "10-1", "Brain/Left", "Brain > Left", "Brain -> Left" or
+/// "Brain::Left".
 std::vector<std::string> parts_of(std::string_view path) {
   path = trimmed(path);
-  const bool is_list = path.starts_with('[') && path.ends_with(']');
-  if (is_list) path = path.substr(1, path.size() - 2);
-  const std::size_t other = path.find_first_of(">|;");
-  const char separator = is_list ? ',' : other != std::string_view::npos ? path[other] : '/';
+  if (path.starts_with('[') && path.ends_with(']')) path = path.substr(1, path.size() - 2);
+  const bool are_ids = path.find_first_not_of("0123456789/|;,.- >") == std::string_view::npos;
+  const bool has_slash = path.find('/') != std::string_view::npos;
+  const std::size_t level = path.find(kLevelEnd);
+  const std::size_t other = level != std::string_view::npos ? level
+                                                            : path.find_first_of(are_ids     ? "/|;,.- >"
+                                                                                 : has_slash ? ">"
+                                                                                             : ">|;\\");
+  const bool is_double = path.find("::") != std::string_view::npos;
+  const char separator = other != std::string_view::npos ? path[other] : is_double ? ':' : '/';
   std::vector<std::string> parts;
-  for (const std::string_view part : split(path, separator)) {
+  for (std::string_view part : split(path, separator)) {
+    if (separator == '>' && part.ends_with('-')) part = trimmed(part.substr(0, part.size() - 1));
     if (!part.empty()) parts.emplace_back(part);
   }
   return parts;
@@ -234,9 +247,13 @@ class HierarchyMaker {
     const std::size_t line = entry.name.line;
     std::vector<std::string> parents;
     if (!entry.parent.empty()) {
-      const std::vector<std::string> ids = parts_of(entry.parent);
-      if (ids.size() < 2 || !are_ids(ids)) return {find_parent(entry.parent, line)};
-      for (const std::string& id : ids) parents.push_back(find_parent(id, line));
+      const std::vector<std::string> parts = parts_of(entry.parent);
+      const bool is_known =
+          entry_of_key_.contains(key_of_id(entry.parent)) || key_of_name_.contains(name_key(entry.parent));
+      if (parts.size() < 2 || is_known) return {find_parent(entry.parent, line)};
+      if (!are_ids(parts) && entry.parent.find_first_of(";|") == std::string::npos)
+        return {find_group(parts, line)};
+      for (const std::string& part : parts) parents.push_back(find_parent(part, line));
       return parents;
     }
     const std::vector<std::string> names = names_of_path(n);

@@ -85,7 +85,7 @@ Result<std::string> read_text(const std::filesystem::path& path) {
   if (all.starts_with("\xef\xbb\xbf")) all.erase(0, 3);  // byte order mark
   std::size_t number = 0;
   for (LineReader lines(all); const auto line = lines.next();) {
-    ++number;
+    if (++number > kMaxTextLines) return bad_file(path, "has more than {} lines", kMaxTextLines);
     if (const std::string fault = fault_of_text(*line); !fault.empty()) {
       return bad_file(path, "line {} {}; plain UTF-8 text is needed here", number, fault);
     }
@@ -166,7 +166,8 @@ std::optional<std::string_view> cut_between(std::string_view& rest, std::string_
 
 std::string xml_text(std::string_view content) {
   if (const auto data = cut_between(content, "<![CDATA[", "]]>")) return std::string(trimmed(*data));
-  std::string text(trimmed(content));
+  constexpr std::size_t kMost = 4096;  // more than a name may have
+  std::string text(trimmed(content.substr(0, kMost)));
   constexpr std::array<std::pair<std::string_view, char>, 5> kEntities{
       {{"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}, {"&amp;", '&'}}};
   for (const auto& [entity, character] : kEntities) {

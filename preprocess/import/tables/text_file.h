@@ -14,7 +14,7 @@
 namespace splatlas {
 
 /// Longest text file that is read, and written.
-inline constexpr std::size_t kMaxTextBytes = 16u << 20;
+inline constexpr std::size_t kMaxTextBytes = 16u << 20, kMaxTextLines = 1'000'000;
 
 /// A non-blank line of a text file.
 struct TextLine {

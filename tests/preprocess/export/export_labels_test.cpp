@@ -123,22 +123,10 @@ TEST(ExportMasks, WritesNrrdFilesOfGridsThatNiftiCannotHold) {
   EXPECT_THAT(
       far.notes,
       ElementsAre(path.string() + ": .nii.gz files cannot hold the atlas's grid; the masks are .nrrd files",
-                  path.string() + ": 1 id is no safe file name: \"-one\" is _-one.nrrd"));
+                  path.string() + ": 1 of the ids are no safe file names; their files have \"_\" in them"));
   const Image mask = import_image(path / "_-one.nrrd").value();
   EXPECT_EQ(mask.grid, content.source_grid);
   EXPECT_EQ(mask.voxels.bytes, (std::vector{std::byte{1}, std::byte{0}, std::byte{0}}));
-}
-
-TEST(ExportMasks, NamesTheFirstOfManyUnsafeIds) {
-  AtlasContent content = labelled_voxel(VoxelType::kNone, 7);
-  std::vector<Structure> structures;
-  for (int n = 0; n < 13; ++n) structures.push_back({.id = fmt::format("-{}", n)});
-  content.graph = StructureGraph::build(structures).value();
-  const TemporaryFolder folder;
-  EXPECT_THAT(
-      export_masks(content, folder.path() / "masks").value().notes,
-      ElementsAre(testing::AllOf(testing::HasSubstr("13 ids are no safe file names: \"-0\" is _-0.nii.gz, "),
-                                 testing::EndsWith("\"-9\" is _-9.nii.gz and 3 more"))));
 }
 
 TEST(ExportMasks, OfTheLongestIdsBuildBack) {
@@ -147,7 +135,7 @@ TEST(ExportMasks, OfTheLongestIdsBuildBack) {
   content.graph = StructureGraph::build({{.id = longest}}).value();
   const TemporaryFolder folder;
   const ExportedMasks masks = export_masks(content, folder.path() / "masks").value();
-  EXPECT_THAT(masks.notes, ElementsAre(testing::HasSubstr("1 id is no safe file name")));
+  EXPECT_THAT(masks.notes, ElementsAre(testing::HasSubstr("1 of the ids are no safe file names")));
   const Result<ImportedLabels> back = import_mask_folder(folder.path() / "masks");
   ASSERT_TRUE(back) << back.error().message;
   ASSERT_EQ(back->structures.size(), 1u);

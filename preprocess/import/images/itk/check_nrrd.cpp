@@ -67,8 +67,9 @@ Result<void> find_layers(const Nrrd& nrrd, const fs::path& path, PixelData& pixe
   const std::string kind = first.kind != nrrdKindUnknown ? airEnumStr(nrrdKind, first.kind) : "";
   if (to_lower(kind).find("color") != std::string::npos)
     return bad_file(path, "holds colours (kind {}); a volume of numbers is needed", kind);
-  pixels.layers_first =
-      nrrd.spaceDim > 0 ? std::isnan(first.spaceDirection[0]) : nrrdKindIsDomain(first.kind) == 0;
+  pixels.layers_first = nrrd.spaceDim > 0
+                            ? std::isnan(first.spaceDirection[0])
+                            : first.kind != nrrdKindUnknown && nrrdKindIsDomain(first.kind) == 0;
   if (pixels.layers_first) pixels.layers = first.size;
   for (unsigned a = 3; a < nrrd.dim && !pixels.layers_first; ++a) pixels.layers *= nrrd.axis[a].size;
   return {};

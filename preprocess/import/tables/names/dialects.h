@@ -30,7 +30,6 @@ inline constexpr std::size_t kNamesHeadBytes = 64 << 10;
 
 // Tables with columns (read_columns.cpp).
 [[nodiscard]] bool recognise_bids(std::string_view head);
-[[nodiscard]] Result<void> read_bids(const NamesInput& input, NamesCollector& into);
 [[nodiscard]] bool recognise_csv(std::string_view head);
 [[nodiscard]] Result<void> read_csv(const NamesInput& input, NamesCollector& into);
 [[nodiscard]] bool recognise_fsl(std::string_view head);

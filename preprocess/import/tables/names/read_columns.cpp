@@ -36,11 +36,13 @@ bool recognise_csv(std::string_view head) {
   const Table table = parse_table(lines.front().text, *separator);
   if (is_row(table.columns)) return *separator != '\t';  // else a list of labels and names
   if (parse_integer(split_blanks(lines.front().text).front())) return false;  // "7 lobe, label"
-  for (const std::string& name : table.columns) {
-    const ColumnRole role = column_of(name).role;
-    if (role == ColumnRole::kLabel || role == ColumnRole::kKey || role == ColumnRole::kName) return true;
-  }
-  return false;
+  const auto has = [](const std::vector<Column>& columns, ColumnRole role) {
+    return find_column(columns, role) != std::string::npos;
+  };
+  const std::vector<Column> by_name = columns_of(table), columns = columns_of(parse_table(head, *separator));
+  return has(by_name, ColumnRole::kLabel) || has(by_name, ColumnRole::kKey) ||
+         has(by_name, ColumnRole::kName) ||
+         (has(columns, ColumnRole::kLabel) && has(columns, ColumnRole::kName));
 }
 
 Result<void> read_csv(const NamesInput& input, NamesCollector& into) {
@@ -57,15 +59,6 @@ bool recognise_bids(std::string_view head) {
   if (lines.empty()) return false;
   const Table table = parse_table(lines.front().text, '\t');
   return has_column(table, "index") && has_column(table, "name");
-}
-
-Result<void> read_bids(const NamesInput& input, NamesCollector& into) {
-  const Table table = parse_table(input.text, '\t');
-  for (const char* name : {"index", "name"}) {
-    if (has_column(table, name)) continue;
-    return input.refuse(std::string("line 1: the column \"") + name + "\" is missing; add it, in tabs");
-  }
-  return add_table(table, input, into);
 }
 
 // FSL's atlases: <label index="0" x="1" y="2" z="3">name</label>. Indices of probabilistic ones count maps
@@ -85,7 +78,7 @@ Result<void> read_fsl(const NamesInput& input, NamesCollector& into) {
     std::string_view attributes = label->substr(0, label->find('>'));
     name.name = xml_text(label->substr(std::min(attributes.size() + 1, label->size())));
     const auto index = cut_between(attributes, "index=\"", "\"");
-    const auto value = parse_integer(index.value_or(""));
+    const auto value = parse_label(index.value_or(""));
     if (value) {
       into.add(fmt::to_string(*value + (counts_maps ? 1 : 0)), std::move(name));
     } else {

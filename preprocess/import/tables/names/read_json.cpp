@@ -16,8 +16,7 @@
 namespace splatlas {
 namespace {
 
-/// Keeps the order of the file: numbers of entries follow it.
-using Json = nlohmann::ordered_json;
+using Json = nlohmann::json;
 
 /// Parses a JSON file. kFailed, with the position, for a syntax error.
 Result<Json> parse_json(const NamesInput& input) {
@@ -324,13 +323,17 @@ Result<void> read_niivue(const NamesInput& input, NamesCollector& into) {
   }
   const bool has_values = map.contains("I") && map["I"].is_array() && !map["I"].empty();
   const std::size_t count = has_values ? map["I"].size() : labels->size();
+  std::vector<std::string> colors;
+  for (std::size_t n = 0; n < count; ++n)
+    colors.push_back(
+        fmt::format("{},{},{}", value_at(map, "R", n), value_at(map, "G", n), value_at(map, "B", n)));
+  const double scale = scale_of_colors(colors);
   for (std::size_t n = 0; n < count; ++n) {
     LabelName name;
     name.line = n + 1;
     name.name = value_at(map, "labels", n);
-    const std::string rgb =
-        fmt::format("{},{},{}", value_at(map, "R", n), value_at(map, "G", n), value_at(map, "B", n));
-    name.color = parse_table_color(rgb);
+    const std::string& rgb = colors[n];
+    name.color = parse_table_color(rgb, scale);
     if (!name.color && rgb != ",,") into.add_bad_color(n + 1, rgb);
     into.add(has_values ? value_at(map, "I", n) : fmt::format("{}", n), std::move(name));
   }

@@ -35,8 +35,15 @@ bool is_number(std::string_view word) {
   return number && std::isfinite(*number);
 }
 
+/// A field between tabs behind the label is one word.
 std::vector<std::string_view> split_words(std::string_view line, bool& is_open) {
   std::vector<std::string_view> words;
+  if (line.starts_with('\t') && trimmed(line).front() != '"') {
+    line.remove_prefix(1);
+    const std::size_t end = std::min(line.find('\t'), line.size());
+    if (const std::string_view field = trimmed(line.substr(0, end)); !field.empty()) words.push_back(field);
+    line.remove_prefix(end);
+  }
   for (line = trimmed(line); !line.empty(); line = trimmed(line)) {
     const std::size_t close = line.front() == '"' ? line.find('"', 1) : std::string_view::npos;
     is_open = is_open || (line.front() == '"' && close == std::string_view::npos);
@@ -48,16 +55,24 @@ std::vector<std::string_view> split_words(std::string_view line, bool& is_open) 
   return words;
 }
 
-/// Nullopt for a line that does not begin with a whole number.
+/// Nullopt for a line that does not begin with a whole number, perhaps with ":" or "=" behind it.
 std::optional<ListRow> row_of(const TextLine& line) {
-  ListRow row{.line = line.number, .text = line.text, .label = split_blanks(line.text).front(), .words = {}};
-  if (!parse_integer(row.label)) return std::nullopt;
-  row.words = split_words(row.text.substr(row.label.size()), row.is_open);
+  ListRow row{.line = line.number, .text = line.text, .label = line.text, .words = {}};
+  row.text = trimmed(row.text.substr(0, row.text.find(" # ")));  // a comment
+  row.label = row.text.substr(0, row.text.find_first_of(" \t:="));
+  const auto label = parse_number(row.label);
+  if (!label || std::floor(*label) != *label) return std::nullopt;
+  std::string_view rest = row.text.substr(row.label.size());
+  if (const std::string_view behind = trimmed(rest); behind.starts_with(':') || behind.starts_with('='))
+    rest = behind.substr(1);
+  row.words = split_words(rest, row.is_open);
   if (row.words.empty()) return row;
   const auto first = std::find_if_not(row.words.begin(), row.words.end() - 1, is_number);
   const auto last = std::find_if_not(row.words.rbegin(), row.words.rend() - 1, is_number);
   row.numbers_first = static_cast<std::size_t>(first - row.words.begin());
   row.numbers_last = static_cast<std::size_t>(last - row.words.rbegin());
+  const auto name = parse_number(row.words.front());
+  if (name && std::floor(*name) != *name) row.numbers_last = 0;  // a fraction is no name
   return row;
 }
 
@@ -69,26 +84,37 @@ std::vector<ListRow> rows_of(const std::vector<TextLine>& lines) {
   return rows;
 }
 
-/// The numbers that most rows with three and more have, at most one of `kinds`, which ascend from 3. 0 unless
-/// most rows have three, or `some`.
-std::size_t numbers_of(std::span<const ListRow> rows, std::size_t ListRow::*numbers,
-                       std::span<const std::size_t> kinds, bool some) {
-  const auto having = [&](std::size_t count) {
-    return std::ranges::count_if(rows, [&](const ListRow& row) { return row.*numbers >= count; });
-  };
-  const auto colored = having(kinds.front());
-  if (colored == 0 || (!some && 2 * colored <= std::ssize(rows))) return 0;
-  const auto kind = std::find_if(kinds.rbegin(), kinds.rend(),
-                                 [&](std::size_t count) { return 2 * having(count) > colored; });
-  return *kind;
+/// True if a column of numbers can be opacity: all equal, mostly 0, 1 or 255, or fractions.
+bool are_alphas(const std::vector<double>& values) {
+  const auto [least, most] = std::ranges::minmax(values);
+  const auto full = std::ranges::count_if(values, [](double a) { return a == 0 || a == 1 || a == 255; });
+  return least == most || (least >= 0 && most <= 1) || 2 * full > std::ssize(values);
 }
 
 /// The shape with colours at `place`: R G B, A, type behind the name; R G B, A, visible and mesh ahead of it.
+/// All rows with three numbers have them, and the fourth is an opacity; what is left of them belongs to the
+/// name. No numbers unless most rows have three, or `some`.
 ListShape shape_at(ListShape::Colors place, std::span<const ListRow> rows, bool some) {
-  static constexpr std::array<std::size_t, 3> kLast{3, 4, 5}, kFirst{3, 4, 6};
   const bool is_last = place == ListShape::Colors::kLast;
-  return {place, numbers_of(rows, is_last ? &ListRow::numbers_last : &ListRow::numbers_first,
-                            is_last ? kLast : kFirst, some)};
+  std::vector<const ListRow*> colored;
+  std::size_t least = ~std::size_t{0};
+  for (const ListRow& row : rows) {
+    const std::size_t numbers = is_last ? row.numbers_last : row.numbers_first;
+    if (numbers < 3) continue;
+    colored.push_back(&row);
+    least = std::min(least, numbers);
+  }
+  if (colored.empty() || (!some && 2 * colored.size() <= rows.size())) return {place, 0};
+  for (const std::size_t numbers : is_last ? std::array{5u, 4u} : std::array{6u, 4u}) {
+    std::vector<double> alphas;
+    for (const ListRow* row : colored) {
+      if (numbers <= least)
+        alphas.push_back(
+            parse_number(row->words[is_last ? row->words.size() - numbers + 3 : 3]).value_or(-1));
+    }
+    if (!alphas.empty() && are_alphas(alphas)) return {place, numbers};
+  }
+  return {place, 3};
 }
 
 ListShape shape_of(std::span<const ListRow> rows) {
@@ -104,8 +130,9 @@ ListShape shape_of_head(std::string_view head) {
 }
 
 std::string_view unquoted(std::string_view text) {
-  return text.size() > 1 && text.front() == '"' && text.back() == '"' ? text.substr(1, text.size() - 2)
-                                                                      : text;
+  const bool is_quoted =
+      text.size() > 1 && text.front() == text.back() && (text.front() == '"' || text.front() == '\'');
+  return is_quoted ? text.substr(1, text.size() - 2) : text;
 }
 
 /// The text of a row from a word on. A name in quotes ends with them.
@@ -120,7 +147,8 @@ std::span<const std::string_view> channels_of(const ListRow& row, const ListShap
   const std::span words(row.words);
   if (shape.colors == ListShape::Colors::kFirst)
     return row.numbers_first >= shape.numbers ? words.first(shape.numbers) : words.first(0);
-  const bool has_type = shape.numbers == 4 && row.numbers_last == 5 && words.size() == 6;  // FreeSurfer
+  const bool has_type = shape.numbers == 4 && row.numbers_last == 5 && words.size() == 6 &&
+                        words.back() != "0" && words[4] == "0";  // of a few rows of FreeSurfer
   const std::size_t count = shape.numbers + (has_type ? 1 : 0);
   return row.numbers_last >= shape.numbers ? words.last(count) : words.first(0);
 }
@@ -160,7 +188,7 @@ Result<void> read_color_rows(const NamesInput& input, ListShape::Colors place, c
     if (are_last) {
       const std::size_t words =
           channels > 0 ? one.words.size() - channels : std::min<std::size_t>(1, one.words.size());
-      name.name = fmt::format("{}", fmt::join(std::span(one.words).first(words), " "));
+      name.name = unquoted(fmt::format("{}", fmt::join(std::span(one.words).first(words), " ")));
     } else if (channels == 0 || one.is_open) {
       into.add_fault(line.number, one.is_open
                                       ? fmt::format("{} has no closing quote; add it", in_quotes(line.text))
@@ -179,19 +207,28 @@ Result<void> read_color_rows(const NamesInput& input, ListShape::Colors place, c
 constexpr std::string_view kTable = "# Color table file", kRamp = "# Color procedural file";
 constexpr const char* kColorsLast = "label name R G B A";
 
-/// The name of a list without colours: a number behind it is the code.
+/// The name of a list without channels. A number behind it is the code, and text such as "#ff8800" or "rgb(1,
+/// 2, 3)" at either end the colour.
 LabelName name_of(const ListRow& row) {
   LabelName name;
   name.line = row.line;
   if (row.words.empty()) return name;
-  std::string_view text = trimmed(row.text.substr(row.label.size()));
-  if (row.words.size() > 1 && (name.code = parse_integer(row.words.back())))
-    text = trimmed(text.substr(0, text.size() - row.words.back().size()));
-  if (row.words.back().starts_with('#') && row.words.size() > 1) {
-    name.color = parse_table_color(row.words.back());
-    if (name.color) text = trimmed(text.substr(0, text.size() - row.words.back().size()));
+  std::string_view text =
+      row.text.substr(static_cast<std::size_t>(row.words.front().data() - row.text.data()));
+  const std::string_view first = row.words.front(), last = row.words.back();
+  const std::size_t bracket = std::min(text.rfind(" rgb"), text.rfind(" ("));
+  constexpr std::size_t kLeast = 7;  // "#101" is a number
+  const std::string_view color = last.starts_with('#') && last.size() >= kLeast     ? last
+                                 : first.starts_with('#') && first.size() >= kLeast ? first
+                                 : text.ends_with(')') && bracket != std::string_view::npos
+                                     ? text.substr(bracket)
+                                     : "";
+  if (row.words.size() > 1 && row.numbers_last == 1 && (name.code = parse_integer(last))) {
+    text.remove_suffix(last.size());
+  } else if (row.words.size() > 1 && (name.color = parse_table_color(color))) {
+    text = color == first ? text.substr(first.size()) : text.substr(0, text.size() - color.size());
   }
-  name.name = std::string(trimmed(unquoted(text)));
+  name.name = unquoted(trimmed(text));
   return name;
 }
 

@@ -36,7 +36,7 @@ constexpr std::array kDialects{
     Dialect{{NamesFormat::kFreeSurfer, "freesurfer", "FreeSurfer colour table"},
             recognise_freesurfer,
             read_freesurfer},
-    Dialect{{NamesFormat::kBids, "bids", "BIDS segmentation table"}, recognise_bids, read_bids},
+    Dialect{{NamesFormat::kBids, "bids", "BIDS segmentation table"}, recognise_bids, read_csv},
     Dialect{{NamesFormat::kCsv, "csv", "table with columns (CSV or TSV)"}, recognise_csv, read_csv},
     Dialect{{NamesFormat::kCtbl, "ctbl", "3D Slicer colour table"}, recognise_ctbl, read_ctbl},
     Dialect{{NamesFormat::kFslEyes, "fsleyes", "FSLeyes colour table"}, recognise_fsleyes, read_fsleyes},

@@ -19,8 +19,8 @@ TEST_F(JsonDialects, ReadsNiivue) {
                               NamesFormat::kNiivue)),
               ElementsAre("17 Left Hippocampus #ff0080", "4294967295 Label 4294967295 #010203"));
   EXPECT_THAT(
-      summaries(names(R"({"R":[0,1],"G":[0,1],"B":[0,1],"labels":["air","A"]})", NamesFormat::kNiivue)),
-      ElementsAre("1 A #010101"));
+      summaries(names(R"({"R":[0,2],"G":[0,2],"B":[0,2],"labels":["air","A"]})", NamesFormat::kNiivue)),
+      ElementsAre("1 A #020202"));
   EXPECT_THAT(error(R"({"R":[0],"G":[0],"B":[0],"A":[0],"I":[255]})"), HasSubstr("it is a colour ramp"));
 }
 

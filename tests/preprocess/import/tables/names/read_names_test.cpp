@@ -29,7 +29,6 @@ TEST_F(ReadNames, OverridesTheDetection) {
   EXPECT_THAT(summaries(table->names), ElementsAre("1 a_b #ff0000", "2 c #00ff00"));
   EXPECT_THAT(error(rows, NamesFormat::kNiivue), HasSubstr("NiiVue colour map: byte 3 is no JSON"));
   EXPECT_THAT(error(rows, NamesFormat::kCsv), HasSubstr("line 1: holds no comma"));
-  EXPECT_THAT(error(rows, NamesFormat::kBids), HasSubstr("the column \"index\" is missing"));
 }
 
 TEST_F(ReadNames, KeepsTheFirstOfTwoRowsOfALabel) {

@@ -80,12 +80,29 @@ TEST_F(TextDialects, ReadsColoursWhereAllRowsHaveThem) {
               ElementsAre("1 liver #cc331a", "2 left heart #ff0000", "3 Area 4 #e6e6b3"));
   EXPECT_THAT(summaries(names("1 204 51 26 1 1 1 liver\n2 255 0 0 1 1 1 Area 4\n", NamesFormat::kItkSnap)),
               ElementsAre("1 liver #cc331a", "2 Area 4 #ff0000"));
-  EXPECT_THAT(summaries(names("1 liver 203.9 51.2 25.8 255\n2 heart 255 0 0 127.5\n", NamesFormat::kCtbl)),
-              ElementsAre("1 liver #cc331a", "2 heart #ff0000"));
+  EXPECT_THAT(summaries(names("1 liver 203.9 51.2 25.8 255\n2 heart 255 0 0 127.5\n3 A 1 2 3 255\n",
+                              NamesFormat::kCtbl)),
+              ElementsAre("1 liver #cc331a", "2 heart #ff0000", "3 A #010203"));
   EXPECT_THAT(summaries(names("1\tLeft lung\t1\t0.5\t0\n2\tAorta\t0\t0\t1\n", NamesFormat::kCtbl)),
               ElementsAre("1 Left lung #ff8000", "2 Aorta #0000ff"));
-  EXPECT_THAT(summaries(names("1 liver #cc331a\n2 left lung #00f\n", NamesFormat::kMricron)),
-              ElementsAre("1 liver #cc331a", "2 left lung #0000ff"));
+  EXPECT_THAT(
+      summaries(names("1 liver #cc331a\n2 left lung #0000ff\n3 Vertebra #101\n4 heart rgb(255, 0, 0)\n",
+                      NamesFormat::kMricron)),
+      ElementsAre("1 liver #cc331a", "2 left lung #0000ff", "3 Vertebra #101", "4 heart #ff0000"));
+  // The last numbers are the colour, unless the fourth can be an opacity
+  EXPECT_THAT(summaries(names("1 Area 4 204 51 26\n2 Area 6 0 0 255\n", NamesFormat::kCtbl)),
+              ElementsAre("1 Area 4 #cc331a", "2 Area 6 #0000ff"));
+  EXPECT_THAT(summaries(names("1 Area 44 204 51 26 0\n2 Area 45 255 0 0 0\n3 spine 230 230 180 0\n",
+                              NamesFormat::kFreeSurfer)),
+              ElementsAre("1 Area 44 #cc331a", "2 Area 45 #ff0000", "3 spine #e6e6b4"));
+  EXPECT_THAT(summaries(names("1 204 51 26 7 liver\n2 255 0 0 8 heart\n", NamesFormat::kFslEyes)),
+              ElementsAre("1 7 liver #cc331a", "2 8 heart #ff0000"));
+  EXPECT_THAT(summaries(names("1 0.8 0.2 0.1 1\n2 1 0 0 2\n", NamesFormat::kFslEyes)),
+              ElementsAre("1 1 #cc331a", "2 2 #ff0000"));
+  EXPECT_THAT(summaries(names("1\tBrodmann area 1 2 3\n2\tBA 4\n", NamesFormat::kMricron)),
+              ElementsAre("1 Brodmann area 1 2 3", "2 BA 4"));
+  EXPECT_THAT(summaries(names("1: liver\n2 = heart # seen\n3 BA 1 2\n", NamesFormat::kMricron)),
+              ElementsAre("1 liver", "2 heart", "3 BA 1 2"));
 }
 
 TEST_F(TextDialects, ReadsAalsFile) {
