@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <ranges>
 #include <set>
 #include <unordered_map>
 
@@ -320,10 +319,9 @@ std::vector<Column> columns_of(const Table& table) {
   const bool has_key = find_column(columns, ColumnRole::kKey) != std::string::npos;
   const std::size_t name = find_column(columns, ColumnRole::kName);
   const bool has_label = find_column(columns, ColumnRole::kLabel) != std::string::npos;
-  const auto is_text = [&](std::size_t n) {
-    return n != name && columns[n].role == ColumnRole::kUnknown && are_texts(values_of(table, n));
-  };
-  const bool has_text = std::ranges::any_of(std::views::iota(std::size_t{0}, columns.size()), is_text);
+  bool has_text = false;
+  for (std::size_t n = 0; n < columns.size(); ++n)
+    has_text = has_text || (columns[n].role == ColumnRole::kUnknown && are_texts(values_of(table, n)));
   if (!has_label && !has_key && has_text && name != std::string::npos && are_labels(values_of(table, name)))
     columns[name].role = ColumnRole::kUnknown;
   if (find_column(columns, ColumnRole::kRed) == std::string::npos)

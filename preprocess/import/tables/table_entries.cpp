@@ -144,8 +144,6 @@ class EntryReader {
   double color_scale_ = 1;
 };
 
-// Nodes of a table's rows: parents by id, abbreviation or name, and paths of ids or names.
-
 /// An id as a key: "9003.0" is 9003.
 std::string key_of_id(std::string_view id) {
   const auto label = parse_label(trimmed(id));
@@ -209,6 +207,7 @@ class HierarchyMaker {
   [[nodiscard]] std::vector<std::string> names_of_path(std::size_t n) const {
     const TableEntry& entry = entries_[n];
     std::vector<std::string> parts = parts_of(entry.path);
+    parts.resize(std::min(parts.size(), kMaxGraphDepth + 2));  // deeper paths are refused later
     if (are_ids(parts) || (!entry.key.empty() && key_of_id(parts.back()) == key_of_id(entry.key))) return {};
     if (name_key(parts.back()) != name_key(entry.name.name)) parts.push_back(entry.name.name);
     return parts;
@@ -279,7 +278,7 @@ class HierarchyMaker {
   /// The group of a path of names, made at its first use.
   std::string find_group(std::span<const std::string> parts, std::size_t line) {
     std::string parent;
-    for (std::size_t n = 1; n <= parts.size(); ++n) {
+    for (std::size_t n = 1; n <= parts.size() && key_of_path_.size() <= kMaxStructures; ++n) {
       const std::string path = path_key(parts.first(n));
       const auto [found, is_new] = key_of_path_.emplace(path, path);
       if (is_new) {
