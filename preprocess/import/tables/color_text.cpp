@@ -27,16 +27,12 @@ std::optional<Rgb> parse_hex(std::string_view digits) {
   return color ? std::optional(*color) : std::nullopt;
 }
 
-/// Text between `open` and the bracket at the end.
-std::optional<std::string_view> inside(std::string_view text, std::string_view open, char close) {
-  if (!text.starts_with(open) || !text.ends_with(close)) return std::nullopt;
-  return text.substr(open.size(), text.size() - open.size() - 1);
-}
-
 /// Three or four numbers with commas or blanks between them, perhaps in brackets; the fourth is alpha.
 std::optional<std::array<double, 3>> parse_numbers(std::string_view text) {
-  for (const auto& [open, close] : {std::pair("rgb(", ')'), {"rgba(", ')'}, {"[", ']'}, {"(", ')'}})
-    text = inside(text, open, close).value_or(text);
+  const std::size_t open = text.find_first_of("([");
+  if ((open == 0 || text.starts_with("rgb")) && open != std::string_view::npos &&
+      (text.ends_with(')') || text.ends_with(']')))
+    text = text.substr(open + 1, text.size() - open - 2);
   const std::vector<std::string_view> parts =
       text.find(',') != std::string_view::npos ? split(text, ',') : split_blanks(text);
   if (parts.size() != 3 && parts.size() != 4) return std::nullopt;

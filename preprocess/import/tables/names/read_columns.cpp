@@ -21,12 +21,6 @@ bool is_row(const std::vector<std::string>& header) {
                               [](const std::string& field) { return parse_number(field).has_value(); });
 }
 
-// BIDS: _dseg.tsv with the columns index and name, in tabs.
-
-bool has_column(const Table& table, std::string_view name) {
-  return std::ranges::find(table.columns, name) != table.columns.end();
-}
-
 }  // namespace
 
 bool recognise_csv(std::string_view head) {
@@ -54,11 +48,12 @@ Result<void> read_csv(const NamesInput& input, NamesCollector& into) {
   return add_table(table, input, into);
 }
 
+/// BIDS: _dseg.tsv with the columns index and name, in tabs.
 bool recognise_bids(std::string_view head) {
   const std::vector<TextLine> lines = lines_of(head);
   if (lines.empty()) return false;
-  const Table table = parse_table(lines.front().text, '\t');
-  return has_column(table, "index") && has_column(table, "name");
+  const std::vector<std::string> columns = parse_table(lines.front().text, '\t').columns;
+  return std::ranges::count(columns, "index") == 1 && std::ranges::count(columns, "name") == 1;
 }
 
 // FSL's atlases: <label index="0" x="1" y="2" z="3">name</label>. Indices of probabilistic ones count maps

@@ -239,19 +239,30 @@ bool recognise_brainglobe(std::string_view head) {
   return is_json(head) && has_json_key(head, "structure_id_path");
 }
 
+/// Objects as rows of a table: a list, or a map from labels.
+Result<void> read_objects(const NamesInput& input, const Json& json, NamesCollector& into) {
+  constexpr std::size_t kMaxObjects = 100'000, kMaxKeys = 100;
+  if (json.size() > kMaxObjects) return input.refuse(fmt::format("has more than {} entries", kMaxObjects));
+  std::set<std::string> keys;
+  for (const Json& object : json) {
+    for (const auto& [key, value] : object.items()) {
+      if (object.is_object() && keys.size() < kMaxKeys) keys.insert(key);
+    }
+  }
+  Table table{{keys.begin(), keys.end()}, {}, {}};
+  std::size_t number = 0;
+  for (const auto& [key, object] : json.items()) {
+    table.rows.push_back(row_of(object, ++number, table.columns));
+    if (json.is_object()) table.rows.back().fields.push_back(key);
+    if (!object.is_object()) table.rows.pop_back(), into.add_fault(number, "is no object");
+  }
+  if (json.is_object()) table.columns.emplace_back("LabelValue");
+  return add_table(table, input, into);
+}
+
 Result<void> read_brainglobe(const NamesInput& input, NamesCollector& into) {
   SPLATLAS_ASSIGN_OR_RETURN(const Json json, parse_json(input));
-  if (!json.is_array()) return input.refuse("is no list of structures; give the structures.json of an atlas");
-  Table table;
-  table.columns = {"id", "name", "acronym", "rgb_triplet", "structure_id_path"};
-  for (std::size_t n = 0; n < json.size(); ++n) {
-    if (!json[n].is_object()) {
-      into.add_fault(n + 1, "is no object");
-      continue;
-    }
-    table.rows.push_back(row_of(json[n], n + 1, table.columns));
-  }
-  return add_table(table, input, into);
+  return read_objects(input, json, into);
 }
 
 // dcmqi's description of a DICOM segmentation: lists of segments, one a file.
@@ -288,6 +299,7 @@ Result<void> read_json_map(const NamesInput& input, NamesCollector& into) {
   SPLATLAS_ASSIGN_OR_RETURN(const Json json, parse_json(input));
   const bool is_wrapped = json.is_object() && json.contains("labels") && json["labels"].is_object();
   const Json& map = is_wrapped ? json["labels"] : json;
+  if (!map.empty() && map.front().is_object()) return read_objects(input, map, into);
   const auto is_pair = [](const auto& item) {
     return item.value().is_string() || (item.value().is_number() && !parse_label(item.key()));
   };

@@ -29,6 +29,13 @@ TEST_F(JsonDialects, ReadsClassMaps) {
               ElementsAre("1 spleen", "2 liver"));
   EXPECT_THAT(summaries(names(R"({"labels": {"background": 0, "spleen": 1}})", NamesFormat::kJson)),
               ElementsAre("1 spleen"));
+  EXPECT_THAT(
+      summaries(names(R"([{"label": 1, "name": "liver", "color": "#cc331a"}, {"label": 2, "name": "heart"}])",
+                      NamesFormat::kJson)),
+      ElementsAre("1 liver #cc331a", "2 heart"));
+  EXPECT_THAT(summaries(names(R"({"1": {"name": "liver", "color": [204, 51, 26]}, "2": {"name": "heart"}})",
+                              NamesFormat::kJson)),
+              ElementsAre("1 liver #cc331a", "2 heart"));
   EXPECT_THAT(error("{\"a\": \"b\", }"), HasSubstr("byte 12 is no JSON; correct it"));
   EXPECT_THAT(error("[1, 2]"), HasSubstr("is no map of labels and names"));
 }
