@@ -348,7 +348,7 @@ Result<SourceModel> import_sources(const SourceFiles& files, Notes& notes,
                                    const std::function<void(double)>& progress) {
   if (files.labels.empty() && files.segments.empty() && files.meshes.empty())
     return fail(ErrorCode::kUsage, "no structures: give --labels, a --segment or a --mesh");
-  if (files.labels.empty() && !(files.names.empty() || !files.meshes.empty()))
+  if (!files.names.empty() && files.labels.empty() && files.meshes.empty())
     return fail(ErrorCode::kUsage, "--names needs --labels or a --mesh");
   if (files.labels.empty() && !files.colors.empty())
     return fail(ErrorCode::kUsage, "--colors needs --labels");

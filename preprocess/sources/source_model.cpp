@@ -183,9 +183,8 @@ std::vector<std::filesystem::path> list_files(const SourceFiles& files) {
     std::error_code error;
     if (std::filesystem::is_directory(path, error)) {
       for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end;
-           entry.increment(error)) {
+           entry.increment(error))
         list.push_back(entry->path());
-      }
     } else if (!path.empty()) {
       list.push_back(path);
     }

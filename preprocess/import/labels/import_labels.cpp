@@ -29,15 +29,10 @@ std::string structure_name(const fs::path& file) {
 }
 
 std::vector<fs::path> list_images(const fs::path& folder) {
-  std::vector<fs::path> files;
-  std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    const std::string name = to_lower(entry->path().filename().string());
-    if (name.starts_with('.') || name.ends_with(".img")) continue;  // hidden, or the second file of a pair
-    if (entry->is_regular_file() && find_image_format(entry->path()) != nullptr)
-      files.push_back(entry->path());
-  }
-  std::sort(files.begin(), files.end());
+  std::vector<fs::path> files = visible_files(folder);
+  std::erase_if(files, [](const fs::path& file) {  // ".img" is the second file of a pair
+    return to_lower(file.extension().string()) == ".img" || find_image_format(file) == nullptr;
+  });
   return files;
 }
 
@@ -176,9 +171,7 @@ class MaskFolder {
     }
     if (count == 0) return {};  // lost by resampling
     counts_.push_back(count);
-    SourceStructure structure;
-    structure.name = name;
-    labels_.structures.push_back(std::move(structure));
+    labels_.structures.emplace_back().name = name;
     return {};
   }
 

@@ -27,6 +27,11 @@ std::string default_name(std::int64_t label) {
   return fmt::format("Label {}", label);
 }
 
+/// True for a label that no file has named.
+bool has_default_name(const SourceStructure& structure) {
+  return structure.label && structure.name == default_name(*structure.label);
+}
+
 std::string shown(const SourceStructure& structure) {
   return structure.label ? fmt::format("{} ({})", structure.name, *structure.label) : structure.name;
 }
@@ -191,9 +196,7 @@ void note_shared(ImportedLabels& labels) {
 }  // namespace
 
 Result<void> check_doubt(const ImportedLabels& labels) {
-  const bool is_named = std::ranges::none_of(labels.structures, [](const SourceStructure& structure) {
-    return structure.label && structure.name == default_name(*structure.label);
-  });
+  const bool is_named = std::ranges::none_of(labels.structures, has_default_name);
   return labels.doubt.empty() || is_named ? Result<void>() : bad_file(labels.source, "{}", labels.doubt);
 }
 
@@ -227,10 +230,9 @@ Result<ImportedLabels> read_label_map(SourceImage image, const std::string& name
     sets.push_back({static_cast<StructureIndex>(rank)});
   }
   for (const std::uint32_t label : sorted) {
-    SourceStructure structure;
+    SourceStructure& structure = result.structures.emplace_back();
     structure.name = default_name(label);
     structure.label = label;
-    result.structures.push_back(std::move(structure));
   }
   name_by_segments(image.segments, result);
   if (sorted.empty()) result.notes.add("no-labels", name);
@@ -245,9 +247,8 @@ Result<void> name_labels(ImportedLabels& labels, NamesTable table, bool keeps_em
   std::map<std::int64_t, SourceStructure*> unnamed;
   std::map<std::string, SourceStructure*> by_name;  // masks, and labels that the file itself names
   for (SourceStructure& structure : labels.structures) {
-    const bool is_named = !structure.label || structure.name != default_name(*structure.label);
     if (structure.label) unnamed.emplace(*structure.label, &structure);
-    if (is_named) by_name.emplace(name_key(structure.name), &structure);
+    if (!has_default_name(structure)) by_name.emplace(name_key(structure.name), &structure);
   }
   std::vector<SourceStructure> empty;
   std::vector<std::string> unused;
@@ -273,7 +274,7 @@ Result<void> name_labels(ImportedLabels& labels, NamesTable table, bool keeps_em
   for (std::string& name : unused) labels.notes.add("names-without-voxels", std::move(name));
   bool lacks_names = false;
   for (const auto& [label, structure] : unnamed) {
-    if (structure->name != default_name(label)) continue;
+    if (!has_default_name(*structure)) continue;
     labels.notes.add("unnamed-labels", fmt::to_string(label));
     lacks_names = true;
   }

@@ -132,12 +132,7 @@ Result<MeshSource> parse_mesh(std::string_view text) {
 Result<std::vector<MeshSource>> surfaces_of(const MeshSource& source) {
   if (!source.name.empty()) return std::vector{source};
   std::vector<MeshSource> surfaces;
-  std::error_code error;
-  for (fs::directory_iterator entry(source.file, error), end; !error && entry != end;
-       entry.increment(error)) {
-    const fs::path& file = entry->path();
-    std::error_code unreadable;
-    if (file.filename().string().starts_with('.') || !entry->is_regular_file(unreadable)) continue;
+  for (const fs::path& file : visible_files(source.file)) {
     const Result<MeshFormat> format = mesh_format(file);
     if (!format) continue;
     MeshSource& surface = surfaces.emplace_back(source);
@@ -145,7 +140,6 @@ Result<std::vector<MeshSource>> surfaces_of(const MeshSource& source) {
     surface.file = file;
   }
   if (surfaces.empty()) return bad_file(source.file, "is a folder without surfaces");
-  std::ranges::sort(surfaces, {}, &MeshSource::file);
   return surfaces;
 }
 

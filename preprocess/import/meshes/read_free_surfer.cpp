@@ -14,8 +14,8 @@
 namespace splatlas {
 namespace {
 
-/// What moves tkregister's frame to the scanner's: the line "cras   = R A S" of the footer. Nothing if the
-/// points are there already (tag 2, useRealRAS, is 1), or the volume is not valid.
+/// The offset from tkregister's frame to the scanner's: the line "cras   = R A S" of the footer. Zero if the
+/// points are in the scanner's frame already (tag 2, useRealRAS, is 1), or the volume is not valid.
 Vec3 centre_in(std::string_view footer) {
   if (footer.starts_with(std::string_view("\0\0\0\2\0\0\0\1", 8))) return {};
   if (!cut_between(footer, "valid = 1", "\n")) return {};

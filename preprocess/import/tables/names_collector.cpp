@@ -11,15 +11,9 @@
 
 namespace splatlas {
 std::optional<std::int64_t> parse_label(std::string_view text) {
-  auto label = parse_integer(text);
-  if (!label) {
-    const auto number = parse_number(text);
-    if (number && *number >= 0 && *number <= static_cast<double>(kMaxLabel) &&
-        std::floor(*number) == *number) {
-      label = static_cast<std::int64_t>(*number);
-    }
-  }
-  return label && *label >= 0 && *label <= kMaxLabel ? label : std::nullopt;
+  const double number = parse_number(text).value_or(-1);  // doubles hold all labels
+  const bool is_label = number >= 0 && number <= double{kMaxLabel} && std::floor(number) == number;
+  return is_label ? std::optional(static_cast<std::int64_t>(number)) : std::nullopt;
 }
 
 tl::unexpected<Error> NamesInput::refuse(const std::string& fault) const {

@@ -24,7 +24,7 @@ struct NamesInput {
   std::string text;
   std::string title;  ///< of the dialect, for messages
 
-  /// What rows are called: the entries of JSON and XML have no lines.
+  /// "entry" for JSON and XML, "line" for other texts; messages number rows by it.
   [[nodiscard]] const char* unit() const {
     const std::size_t first = std::min(text.find_first_not_of(" \t\r\n"), text.size());
     return text.substr(first, 1).find_first_of("[{<") == 0 ? "entry" : "line";

@@ -14,10 +14,10 @@
 namespace splatlas {
 namespace {
 
-/// Reads rows by the roles of their columns.
-/// Behind a name of a path in columns, as no text holds it.
+/// Ends each name of a path that stands in columns of levels; no valid name holds it.
 constexpr char kLevelEnd = '\x1f';
 
+/// Reads rows by the roles of their columns.
 class EntryReader {
  public:
   EntryReader(const Table& table, NamesCollector& into)

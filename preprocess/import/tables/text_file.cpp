@@ -55,6 +55,19 @@ std::vector<std::filesystem::path> regular_files_of(const std::filesystem::path&
 
 }  // namespace
 
+std::vector<std::filesystem::path> visible_files(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    std::error_code unreadable;
+    if (!entry->path().filename().string().starts_with('.') && entry->is_regular_file(unreadable))
+      files.push_back(entry->path());
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
 Result<void> check_regular_file(const std::filesystem::path& path) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);

@@ -38,6 +38,9 @@ struct TextLine {
 /// The first `count` bytes of a file, or all that it has; none if it cannot be read.
 [[nodiscard]] std::string first_bytes(const std::filesystem::path& path, std::size_t count);
 
+/// The regular files of a folder whose names do not begin with ".", sorted; none if it cannot be listed.
+[[nodiscard]] std::vector<std::filesystem::path> visible_files(const std::filesystem::path& folder);
+
 /// "sha256:" and 64 hexadecimal digits, as printed by `sha256sum FILE`. Reads the file once; of a folder all
 /// regular files, in the order of their paths, as one. kFailed if one cannot be read.
 [[nodiscard]] Result<std::string> hash_file(const std::filesystem::path& path);

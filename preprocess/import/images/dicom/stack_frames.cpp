@@ -84,7 +84,7 @@ double span_of(const Positions& positions) {
   return positions.back().height - positions.front().height;
 }
 
-/// Where positions lie along the third axis, in steps.
+/// Coordinates of the positions along the third axis, in steps from the first.
 std::vector<double> places_of(const Positions& positions, double step_mm) {
   std::vector<double> places;
   for (const SlicePosition& position : positions) {

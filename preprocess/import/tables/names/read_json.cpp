@@ -68,6 +68,31 @@ Table::Row row_of(const Json& object, std::size_t number, const std::vector<std:
   return row;
 }
 
+/// Objects as rows of a table: a list, or a map from labels.
+Result<void> read_objects(const NamesInput& input, const Json& json, NamesCollector& into) {
+  constexpr std::size_t kMaxObjects = 100'000, kMaxKeys = 100;
+  if (json.size() > kMaxObjects) return input.refuse(fmt::format("has more than {} entries", kMaxObjects));
+  std::set<std::string> keys;
+  for (const Json& object : json) {
+    for (const auto& [key, value] : object.items()) {
+      if (object.is_object() && keys.size() < kMaxKeys) keys.insert(key);
+    }
+  }
+  Table table{{keys.begin(), keys.end()}, {}, {}};
+  std::size_t number = 0;
+  for (const auto& [key, object] : json.items()) {
+    ++number;
+    if (!object.is_object()) {
+      into.add_fault(number, "is no object");
+      continue;
+    }
+    table.rows.push_back(row_of(object, number, table.columns));
+    if (json.is_object()) table.rows.back().fields.push_back(key);
+  }
+  if (json.is_object()) table.columns.emplace_back("LabelValue");
+  return add_table(table, input, into);
+}
+
 // Open Anatomy's atlasStructure.json: groups with members, and structures with a selector of their voxels.
 
 /// True if "@type", text or a list, has this type.
@@ -239,27 +264,6 @@ bool recognise_brainglobe(std::string_view head) {
   return is_json(head) && has_json_key(head, "structure_id_path");
 }
 
-/// Objects as rows of a table: a list, or a map from labels.
-Result<void> read_objects(const NamesInput& input, const Json& json, NamesCollector& into) {
-  constexpr std::size_t kMaxObjects = 100'000, kMaxKeys = 100;
-  if (json.size() > kMaxObjects) return input.refuse(fmt::format("has more than {} entries", kMaxObjects));
-  std::set<std::string> keys;
-  for (const Json& object : json) {
-    for (const auto& [key, value] : object.items()) {
-      if (object.is_object() && keys.size() < kMaxKeys) keys.insert(key);
-    }
-  }
-  Table table{{keys.begin(), keys.end()}, {}, {}};
-  std::size_t number = 0;
-  for (const auto& [key, object] : json.items()) {
-    table.rows.push_back(row_of(object, ++number, table.columns));
-    if (json.is_object()) table.rows.back().fields.push_back(key);
-    if (!object.is_object()) table.rows.pop_back(), into.add_fault(number, "is no object");
-  }
-  if (json.is_object()) table.columns.emplace_back("LabelValue");
-  return add_table(table, input, into);
-}
-
 Result<void> read_brainglobe(const NamesInput& input, NamesCollector& into) {
   SPLATLAS_ASSIGN_OR_RETURN(const Json json, parse_json(input));
   return read_objects(input, json, into);
@@ -344,9 +348,8 @@ Result<void> read_niivue(const NamesInput& input, NamesCollector& into) {
     LabelName name;
     name.line = n + 1;
     name.name = value_at(map, "labels", n);
-    const std::string& rgb = colors[n];
-    name.color = parse_table_color(rgb, scale);
-    if (!name.color && rgb != ",,") into.add_bad_color(n + 1, rgb);
+    name.color = parse_table_color(colors[n], scale);
+    if (!name.color && colors[n] != ",,") into.add_bad_color(n + 1, colors[n]);
     into.add(has_values ? value_at(map, "I", n) : fmt::format("{}", n), std::move(name));
   }
   return {};

@@ -24,7 +24,7 @@ struct ListRow {
   std::size_t numbers_first = 0, numbers_last = 0;
 };
 
-/// Where a list has its colours, by most of its rows.
+/// The place and number of the colour channels in most rows of a list.
 struct ListShape {
   enum class Colors { kNone, kFirst, kLast } colors = Colors::kNone;
   std::size_t numbers = 0;  ///< R G B, and A or further ones
