@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
 #include "format/derive/value_groups.h"
 #include "format/io/output_file.h"
@@ -208,16 +207,13 @@ Result<AtlasContent> build_content(SourceModel model, const std::string& labels,
   return content;
 }
 
-/// Reopens the encoded atlas before writing, so that an invalid one never replaces an old file.
-Result<BuildReport> report_on(const std::vector<std::byte>& bytes, const fs::path& output,
-                              std::uint64_t structures) {
-  SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open_bytes(bytes, output.string()));
+BuildReport report_on(const Atlas& atlas) {
   BuildReport report;
-  report.structures = structures;
-  report.classes = atlas->classes().size();
-  for (const Axis axis : kAxes) report.runs[static_cast<std::size_t>(axis)] = atlas->runs(axis);
-  for (StructureIndex s = 0; s < structures; ++s) report.triangles += atlas->triangles(s);
-  report.bytes = atlas->counters().file;
+  report.structures = atlas.graph().size();
+  report.classes = atlas.classes().size();
+  for (const Axis axis : kAxes) report.runs[static_cast<std::size_t>(axis)] = atlas.runs(axis);
+  for (StructureIndex s = 0; s < report.structures; ++s) report.triangles += atlas.triangles(s);
+  report.bytes = atlas.counters().file;
   return report;
 }
 
@@ -243,8 +239,9 @@ Result<BuildReport> build_atlas(const BuildOptions& options) {
   return build_atlas(options, notes);
 }
 
-Result<BuildReport> build_atlas(const BuildOptions& options, Notes& notes,
-                                const std::function<Result<void>(std::vector<OutputFile>&)>& add_files) {
+Result<BuildReport> build_atlas(
+    const BuildOptions& options, Notes& notes,
+    const std::function<Result<void>(const Atlas&, std::vector<OutputFile>&)>& add_files) {
   SPLATLAS_RETURN_IF_ERROR(check_outputs(std::array{options.output}, list_files(options.sources)));
   SPLATLAS_RETURN_IF_ERROR(check_writable_file(options.output));
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<SceneFile> scenes, read_scenes(options.sources.scenes));
@@ -265,13 +262,14 @@ Result<BuildReport> build_atlas(const BuildOptions& options, Notes& notes,
 
   clock.begin("write", 0.4);
   const WriteOptions writing{options.level, options.compact, options.threads, update};
-  const std::uint64_t structures = content.graph.size();
   Result<std::vector<std::byte>> bytes = encode_atlas(std::move(content), writing);
   if (!bytes) return fail(bytes.error().code, "{}: {}", options.output.string(), bytes.error().message);
-  SPLATLAS_ASSIGN_OR_RETURN(BuildReport report, report_on(*bytes, options.output, structures));
+  // Reopened before writing, so that an invalid atlas never replaces an old file
+  SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open_bytes(*bytes, options.output.string()));
+  BuildReport report = report_on(*atlas);
   std::vector<OutputFile> files;
   SPLATLAS_RETURN_IF_ERROR(add_file(options.output, *bytes, files));
-  if (add_files) SPLATLAS_RETURN_IF_ERROR(add_files(files));
+  if (add_files) SPLATLAS_RETURN_IF_ERROR(add_files(*atlas, files));
   SPLATLAS_RETURN_IF_ERROR(commit_files(files));
   clock.end();
 

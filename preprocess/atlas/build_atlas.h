@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "format/atlas_reader.h"
 #include "format/io/output_file.h"
 #include "preprocess/atlas/build_progress.h"
 #include "preprocess/atlas/segment_structures.h"
@@ -43,10 +44,10 @@ struct BuildReport {
 
 /// Builds an atlas. Refuses an output that is an input or cannot be written before reading any input. On
 /// errors the old output file is unchanged. `notes` receives the notes also of a build that fails.
-/// `add_files` adds files that are named together with the atlas, once all notes are there.
+/// `add_files` adds files that are named together with the atlas, once it is encoded and all notes are there.
 [[nodiscard]] Result<BuildReport> build_atlas(
     const BuildOptions& options, Notes& notes,
-    const std::function<Result<void>(std::vector<OutputFile>& files)>& add_files = {});
+    const std::function<Result<void>(const Atlas&, std::vector<OutputFile>& files)>& add_files = {});
 /// The same, with the notes in the report only.
 [[nodiscard]] Result<BuildReport> build_atlas(const BuildOptions& options);
 

@@ -1,7 +1,6 @@
 #include "preprocess/classify/fragments.h"
 
 #include <algorithm>
-#include <array>
 #include <iterator>
 #include <map>
 #include <utility>
@@ -17,10 +16,11 @@ class ComponentForest {
     std::size_t parent = 0;
     std::uint64_t voxels = 0;  ///< of the component, at its root
     StructureIndex structure = kNoStructure;
+    std::size_t first = 0;  ///< voxel
   };
 
-  [[nodiscard]] std::size_t add(StructureIndex structure) {
-    nodes_.push_back({nodes_.size(), 0, structure});
+  [[nodiscard]] std::size_t add(StructureIndex structure, std::size_t voxel) {
+    nodes_.push_back({nodes_.size(), 0, structure, voxel});
     return nodes_.size() - 1;
   }
   [[nodiscard]] std::size_t root_of(std::size_t node) {
@@ -46,8 +46,8 @@ class ComponentForest {
 };
 
 /// Numbers the components of all structures with a limit `below`, voxel by voxel. Calls
-/// new_component(structure), which returns a number, join(a, b) of numbers that touch, which returns one of
-/// them, and visit(structure, number, voxel). Two scans of one volume number the components alike.
+/// new_component(structure, voxel), which returns a number, join(a, b) of numbers that touch, which returns
+/// one of them, and visit(structure, number, voxel). Two scans of one volume number the components alike.
 template <typename NewComponent, typename Join, typename Visit>
 void scan_components(const MembershipVolume& memberships, std::span<const std::uint64_t> below,
                      const NewComponent& new_component, const Join& join, const Visit& visit) {
@@ -81,7 +81,7 @@ void scan_components(const MembershipVolume& memberships, std::span<const std::u
         if (column > 0) touch(voxels[start + v - 1], numbers.data() + firsts[v - 1]);
         if (v >= row) touch(voxels[start + v - row], numbers.data() + firsts[v - row]);
         if (start > 0) touch(voxels[start + v - plane], numbers_before.data() + firsts_before[v]);
-        if (number == kNone) number = new_component(structure);
+        if (number == kNone) number = new_component(structure, start + v);
         numbers.push_back(number);
         visit(structure, number, start + v);
       }
@@ -93,7 +93,8 @@ void scan_components(const MembershipVolume& memberships, std::span<const std::u
 ComponentForest components_of(const MembershipVolume& memberships, std::span<const std::uint64_t> below) {
   ComponentForest forest;
   scan_components(
-      memberships, below, [&](StructureIndex structure) { return forest.add(structure); },
+      memberships, below,
+      [&](StructureIndex structure, std::size_t voxel) { return forest.add(structure, voxel); },
       [&](std::size_t a, std::size_t b) { return forest.join(a, b); },
       [&](StructureIndex, std::size_t number, std::size_t) { forest.count(number); });
   return forest;
@@ -134,8 +135,6 @@ std::vector<StructureFragments> count_fragments(const ComponentForest& forest,
 /// end of the grid. Clears `voxels`.
 void fill_holes(std::vector<bool>& voxels, MembershipVolume& memberships) {
   constexpr MembershipVolume::SetId kEmpty = 0, kHole = 0xffffffff;
-  const Index3& size = memberships.size();
-  const std::array<std::int64_t, 3> steps{1, size[0], size[0] * size[1]};
   std::vector<std::size_t> hole;
   const auto take = [&](std::size_t voxel) {
     voxels[voxel] = false;
@@ -147,19 +146,13 @@ void fill_holes(std::vector<bool>& voxels, MembershipVolume& memberships) {
     std::map<MembershipVolume::SetId, std::size_t> around;
     hole.clear();
     take(seed);
-    for (std::size_t n = 0; n < hole.size(); ++n) {
-      const auto at = static_cast<std::int64_t>(hole[n]);
-      for (std::size_t a = 0; a < 3; ++a) {
-        for (const std::int64_t side : {-1, 1}) {
-          const std::int64_t place = at / steps[a] % size[a] + side;
-          const auto beside = static_cast<std::size_t>(at + side * steps[a]);
-          const bool is_inside = place >= 0 && place < size[a];
-          if (is_inside && voxels[beside]) take(beside);
-          const MembershipVolume::SetId set = is_inside ? memberships.voxels()[beside] : kEmpty;
-          if (set != kHole) ++around[set];
-        }
-      }
-    }
+    flood_voxels(memberships.size(), seed, [&](std::size_t beside) {
+      const bool is_inside = beside != kBeyondGrid, is_hole = is_inside && voxels[beside];
+      if (is_hole) take(beside);
+      const MembershipVolume::SetId set = is_inside ? memberships.voxels()[beside] : kEmpty;
+      if (set != kHole) ++around[set];
+      return is_hole;
+    });
     const auto most = std::ranges::max_element(around, {}, [](const auto& of) { return of.second; });
     for (const std::size_t voxel : hole)
       memberships.set(voxel, around.contains(kEmpty) ? kEmpty : most->first);
@@ -167,6 +160,16 @@ void fill_holes(std::vector<bool>& voxels, MembershipVolume& memberships) {
 }
 
 }  // namespace
+
+std::vector<StructureComponent> list_components(const MembershipVolume& memberships, std::size_t structures) {
+  const ComponentForest forest = components_of(memberships, std::vector<std::uint64_t>(structures, 1));
+  std::vector<StructureComponent> components;
+  for (std::size_t n = 0; n < forest.nodes().size(); ++n) {
+    const ComponentForest::Node& node = forest.nodes()[n];
+    if (node.parent == n) components.push_back({node.structure, node.voxels, node.first});
+  }
+  return components;
+}
 
 std::vector<StructureFragments> find_fragments(const MembershipVolume& memberships,
                                                std::span<const std::uint64_t> below) {
@@ -183,7 +186,7 @@ std::vector<StructureFragments> drop_fragments(MembershipVolume& memberships,
   std::size_t next = 0;
   std::vector<std::pair<StructureIndex, std::size_t>> dropped;  // the scan reads sets as they were
   scan_components(
-      memberships, below, [&](StructureIndex) { return next++; },
+      memberships, below, [&](StructureIndex, std::size_t) { return next++; },
       [](std::size_t a, std::size_t) { return a; },
       [&](StructureIndex structure, std::size_t number, std::size_t voxel) {
         if (fragments[forest.root_of(number)]) dropped.emplace_back(structure, voxel);

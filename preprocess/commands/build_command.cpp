@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <span>
 
 #include <CLI/CLI.hpp>
 
@@ -112,8 +111,11 @@ CLI::App* add_build(CLI::App& app, BuildRequest& request) {
   add_repeated(*build, "--drop-fragments", options.fragments, parse_fragments,
                "[NAME=]N: drop components of fewer than N voxels beside the largest one (repeatable)");
   build->add_flag("--strict", options.strict, "stop at the first warning, and write nothing");
-  build->add_option("--report", request.report, "also write all notes to FILE.html")->check(names_a_file());
-  build->add_option("--json", request.json, "also write all notes to FILE.json")->check(names_a_file());
+  build
+      ->add_option("--report", request.reports.html,
+                   "also write all notes, findings and structures to FILE.html")
+      ->check(names_a_file());
+  build->add_option("--json", request.reports.json, "the same to FILE.json")->check(names_a_file());
   build->add_flag("--compact", options.compact, "leave out data that a player derives in milliseconds");
   add_surfaces(
       *build, options.surfaces,
@@ -133,20 +135,15 @@ Result<void> run_build(const BuildRequest& request) {
   BuildOptions options = request.options;
   ProgressDisplay display(request.progress, stderr);
   options.progress = [&](const BuildProgress& progress) { display.show(progress); };
-  std::vector<std::filesystem::path> outputs{options.output};
-  for (const std::filesystem::path& file : {request.json, request.report}) {
-    if (!file.empty()) outputs.push_back(file);
-  }
+  std::vector<std::filesystem::path> outputs = request.reports.files();
+  outputs.insert(outputs.begin(), options.output);
   SPLATLAS_RETURN_IF_ERROR(check_outputs(outputs, list_files(options.sources)));
   for (const std::filesystem::path& file : outputs) SPLATLAS_RETURN_IF_ERROR(check_writable_file(file));
   Notes notes;
-  const auto add = [](const std::filesystem::path& path, const std::string& text,
-                      std::vector<OutputFile>& files) -> Result<void> {
-    return path.empty() ? Result<void>() : add_file(path, std::as_bytes(std::span(text)), files);
-  };
-  const auto add_reports = [&](std::vector<OutputFile>& files) -> Result<void> {
-    SPLATLAS_RETURN_IF_ERROR(add(request.json, report_as_json(notes), files));
-    return add(request.report, report_as_html(notes, options.output), files);
+  const auto add_reports = [&](const Atlas& atlas, std::vector<OutputFile>& files) -> Result<void> {
+    if (request.reports.files().empty()) return {};
+    SPLATLAS_ASSIGN_OR_RETURN(const Examination examination, examine_atlas(atlas));
+    return request.reports.add(&notes, examination, options.output, files);
   };
   const Result<BuildReport> report = build_atlas(options, notes, add_reports);
   display.finish();

@@ -1,4 +1,4 @@
-// Commands of splatlas-preprocess: build, export and lesson.
+// Commands of splatlas-preprocess: build, check, export and lesson.
 #pragma once
 
 #include <filesystem>
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "preprocess/atlas/build_atlas.h"
+#include "preprocess/check/examine_atlas.h"
 #include "preprocess/commands/progress_display.h"
 #include "preprocess/export/export_atlas.h"
 
@@ -15,11 +16,27 @@ class App;
 
 namespace splatlas {
 
+/// Reports for programs and for people; empty paths for none.
+struct ReportFiles {
+  std::filesystem::path html, json;
+
+  [[nodiscard]] std::vector<std::filesystem::path> files() const;
+  /// Adds the reports to the files of commit_files(). `notes`: of a build, or nullptr.
+  [[nodiscard]] Result<void> add(const Notes* notes, const Examination& examination,
+                                 const std::filesystem::path& atlas, std::vector<OutputFile>& added) const;
+};
+
 /// Arguments of the build command.
 struct BuildRequest {
   BuildOptions options;
   ProgressMode progress = automatic_progress(stderr);
-  std::filesystem::path report, json;  ///< files for all notes; empty for none
+  ReportFiles reports;
+};
+
+/// Arguments of the check command.
+struct CheckRequest {
+  std::filesystem::path atlas;
+  ReportFiles reports;
 };
 
 /// Arguments of the lesson command.
@@ -31,21 +48,26 @@ struct LessonRequest {
 /// Adds a command. Parsing fills its second argument, which must outlive `app`. Invalid values throw
 /// CLI::ValidationError with option, value and remedy.
 CLI::App* add_build(CLI::App& app, BuildRequest& request);
+CLI::App* add_check(CLI::App& app, CheckRequest& request);
 CLI::App* add_export(CLI::App& app, ExportOptions& options);
 CLI::App* add_lesson(CLI::App& app, LessonRequest& request);
 
 /// Builds an atlas. Prints progress and notes to standard error, and a summary to standard output.
 [[nodiscard]] Result<void> run_build(const BuildRequest& request);
+/// Examines an atlas, writes reports, and prints a line per finding to standard output.
+[[nodiscard]] Result<void> run_check(const CheckRequest& request);
 /// Exports and prints a line per file to standard output.
 [[nodiscard]] Result<void> run_export(const ExportOptions& options);
 /// Copies an atlas with other scenes, chunks as they are stored, and prints a line to standard output.
 [[nodiscard]] Result<void> run_lesson(const LessonRequest& request);
 
-// Reports of a build: all notes, for programs and for people.
-
-/// {"notes": [{"kind": "empty-masks", "warning": bool, "count": N, "message": "...", "items": [...]}]}.
-[[nodiscard]] std::string report_as_json(const Notes& notes);
-/// A page of its own, without scripts. `atlas` is named in its title.
-[[nodiscard]] std::string report_as_html(const Notes& notes, const std::filesystem::path& atlas);
+/// {"notes": [{"kind": "empty-masks", "warning": bool, "count": N, "message": "...", "items": [...]}],
+/// "structures": [...], "findings": [...]}; without notes if `notes` is nullptr.
+[[nodiscard]] std::string report_as_json(const Notes* notes, const Examination& examination);
+/// The same as a page of its own, without scripts. `atlas` is named in its title.
+[[nodiscard]] std::string report_as_html(const Notes* notes, const Examination& examination,
+                                         const std::filesystem::path& atlas);
+/// "12.5, -3, 40"
+[[nodiscard]] std::string text_of_place(const Vec3& lps_mm);
 
 }  // namespace splatlas

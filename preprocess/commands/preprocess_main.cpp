@@ -1,4 +1,4 @@
-// Program splatlas-preprocess: builds atlases, exports their parts, and gives them other scenes.
+// Program splatlas-preprocess: builds and checks atlases, exports their parts, and gives them other scenes.
 
 #include <algorithm>
 #include <iterator>
@@ -35,11 +35,12 @@ tl::unexpected<Error> wrong_usage(const CLI::App& app, const std::string& first,
                 app.get_subcommands().front()->get_name());
   }
   if (first.empty()) {
-    return fail(ErrorCode::kUsage,
-                "no command is given; there are build, export and lesson; see splatlas-preprocess --help");
+    return fail(
+        ErrorCode::kUsage,
+        "no command is given; there are build, check, export and lesson; see splatlas-preprocess --help");
   }
   return fail(ErrorCode::kUsage,
-              "{}: no such {}; there are build, export and lesson; see splatlas-preprocess --help",
+              "{}: no such {}; there are build, check, export and lesson; see splatlas-preprocess --help",
               in_quotes(first), first.starts_with('-') ? "option" : "command");
 }
 
@@ -69,9 +70,11 @@ Result<void> run(int argc, char** argv) {
   app.require_subcommand(1);
   BuildRequest request;
   request.options.tool = kTool;
+  CheckRequest check_request;
   ExportOptions export_options;
   LessonRequest lesson_request;
   const CLI::App* build = add_build(app, request);
+  const CLI::App* check = add_check(app, check_request);
   const CLI::App* lesson = add_lesson(app, lesson_request);
   add_export(app, export_options);
   try {
@@ -90,7 +93,8 @@ Result<void> run(int argc, char** argv) {
                                const auto& arguments) {
     return run_on_file(file, kOutOfMemoryRemedy, [&] { return command(arguments); });
   };
-  SPLATLAS_RETURN_IF_ERROR(build->parsed() ? run_command(request.options.output, run_build, request)
+  SPLATLAS_RETURN_IF_ERROR(build->parsed()   ? run_command(request.options.output, run_build, request)
+                           : check->parsed() ? run_command(check_request.atlas, run_check, check_request)
                            : lesson->parsed()
                                ? run_command(lesson_request.atlas, run_lesson, lesson_request)
                                : run_command(export_options.atlas, run_export, export_options));

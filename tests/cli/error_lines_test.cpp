@@ -206,7 +206,7 @@ TEST_F(ErrorLines, OfRender) {
 TEST_F(ErrorLines, OfPreprocessCommandsAndExport) {
   check_preprocess(
       {{{}, 2, "no command is given", "splatlas-preprocess --help"},
-       {{"bild"}, 2, "\"bild\": no such command", "build, export and lesson"},
+       {{"bild"}, 2, "\"bild\": no such command", "build, check, export and lesson"},
        {{"--none"}, 2, "\"--none\": no such option", "splatlas-preprocess --help"},
        {{"export"}, 2, "ATLAS is required", "splatlas-preprocess export --help"},
        {{"export", "", "--labels", "x.nii"}, 2, "ATLAS: \"\"", "must name a file"},

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 #include "format/atlas_writer.h"
 #include "tests/cli/phantom_atlas.h"
@@ -57,6 +58,34 @@ TEST_F(PreprocessOutput, OptionsComeFromAFile) {
   const ProgramResult missing = build({"z.atlas", "@missing.args"});
   EXPECT_EQ(missing.status, 1);
   EXPECT_THAT(missing.err, HasSubstr("missing.args: no such file"));
+}
+
+/// Findings are no failure. Reports are those of a build, without notes.
+TEST_F(PreprocessOutput, CheckTellsFindingsAndMeasures) {
+  const std::string labels = phantom_folder().file("labels.nrrd");
+  const auto parsed = [&](const std::string& name) { return nlohmann::json::parse(bytes(name)); };
+  ASSERT_EQ(run_preprocess({"build", "-o", "x.atlas", "--labels", labels, "--json", "b.json", "--report",
+                            "b.html", "--progress", "none"},
+                           folder_.path())
+                .status,
+            0);
+  const ProgramResult result =
+      run_preprocess({"check", "x.atlas", "--json", "c.json", "--report", "c.html"}, folder_.path());
+  EXPECT_EQ(result.status, 0);
+  EXPECT_THAT(result.out, HasSubstr("x.atlas: 2 structures, 2 findings\nunnamed-labels: \"Label 1\": label"));
+  nlohmann::json report = parsed("b.json");
+  EXPECT_EQ(report.erase("notes"), 1u);
+  EXPECT_EQ(parsed("c.json"), report);
+  EXPECT_EQ(report["structures"][0]["name"], "Label 1");
+  EXPECT_EQ(report["structures"][0]["pieces"], 1);
+  EXPECT_EQ(report["findings"][1]["structures"], nlohmann::json({"Label_2"}));
+  for (const char* name : {"b.html", "c.html"}) {
+    EXPECT_THAT(bytes(name), HasSubstr("<td>2</td>"));
+    EXPECT_THAT(bytes(name), HasSubstr("<circle"));
+  }
+  const ProgramResult damaged = run_preprocess({"check", labels, "--json", "d.json"}, folder_.path());
+  EXPECT_EQ(damaged.status, 3);
+  EXPECT_FALSE(std::filesystem::exists(folder_.file("d.json")));
 }
 
 TEST_F(PreprocessOutput, AFailureLeavesNoFile) {

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 template <typename T>
 ImportEnd end_of(const Result<T>& result, const Notes& notes) {
   const std::string error = result ? "" : result.error().message;
-  static_cast<void>(report_as_json(notes) + report_as_html(notes, "a.atlas"));
+  static_cast<void>(report_as_json(&notes, {}) + report_as_html(&notes, {}, "a.atlas"));
   if (result) return {};
   const auto says = [&](const char* text) { return error.find(text) != std::string::npos; };
   if (says("its reader crashed") || says("its reader gave up") || says("no whole answer"))

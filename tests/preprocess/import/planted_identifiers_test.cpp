@@ -24,7 +24,7 @@ using testing::HasSubstr;
 
 /// Notes and error in every form in which people see them.
 std::string reports(const Notes& notes, const std::string& error) {
-  std::string all = report_as_json(notes) + report_as_html(notes, "a.atlas") + error;
+  std::string all = report_as_json(&notes, {}) + report_as_html(&notes, {}, "a.atlas") + error;
   for (const Note& note : notes.all()) {
     all += note.message();
     for (const std::string& item : note.items) all += item + "\n";

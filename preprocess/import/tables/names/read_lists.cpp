@@ -30,7 +30,7 @@ struct ListShape {
   std::size_t numbers = 0;  ///< R G B, and A or further ones
 };
 
-bool is_number(std::string_view word) {
+bool is_finite_number(std::string_view word) {
   const auto number = parse_number(word);
   return number && std::isfinite(*number);
 }
@@ -67,8 +67,8 @@ std::optional<ListRow> row_of(const TextLine& line) {
     rest = behind.substr(1);
   row.words = split_words(rest, row.is_open);
   if (row.words.empty()) return row;
-  const auto first = std::find_if_not(row.words.begin(), row.words.end() - 1, is_number);
-  const auto last = std::find_if_not(row.words.rbegin(), row.words.rend() - 1, is_number);
+  const auto first = std::find_if_not(row.words.begin(), row.words.end() - 1, is_finite_number);
+  const auto last = std::find_if_not(row.words.rbegin(), row.words.rend() - 1, is_finite_number);
   row.numbers_first = static_cast<std::size_t>(first - row.words.begin());
   row.numbers_last = static_cast<std::size_t>(last - row.words.rbegin());
   const auto name = parse_number(row.words.front());
