@@ -6,17 +6,14 @@
 #define SPLATLAS_PLAYER_WIDE_VECTOR_INL_H_
 #endif
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
 #include <hwy/highway.h>
 
-#if HWY_TARGET == HWY_SCALAR
-#include "player/render/simd/scalar_vector.h"
-#endif
-
-// A wide vector is a native vector where one has enough lanes, else a pair of vectors of half the lanes.
-// Highway's scalar target has plain arrays instead. Code calls the operations of Highway without `hn::`:
+// A wide vector is a native vector where one has enough lanes, else a pair of vectors of half the lanes:
+// native vectors of the scalar reference have one lane. Code calls the operations of Highway without `hn::`:
 // argument-dependent lookup finds Highway's own or those below. Results have the same bits on every
 // instruction set: multiplications and additions round as written (files that include this header are
 // compiled with -ffp-contract=off), and MulAdd of pairs and FusedMulAdd of any vector round once everywhere.
@@ -44,7 +41,7 @@ struct NativeTagOf {
 
 }  // namespace detail
 
-/// Tag of the native vectors that a wide vector is made of; plain arrays are their own.
+/// Tag of the native vectors that a wide vector is made of; in the scalar reference, its own.
 template <class D>
 using NativeTag = typename detail::NativeTagOf<D>::type;
 
@@ -68,26 +65,6 @@ HWY_INLINE V ShiftBitsRight(V v) {
   return hn::ShiftRight<kBits>(v);
 }
 
-#if HWY_TARGET == HWY_SCALAR
-
-namespace detail {
-
-template <typename T, std::size_t kCount>
-struct TagTraits<ScalarTag<T, kCount>> {
-  static constexpr std::size_t kLanes = kCount;
-  using Signed = ScalarTag<std::int32_t, kCount>;
-  using Unsigned = ScalarTag<std::uint32_t, kCount>;
-  using Vector = ScalarVec<T, kCount>;
-  using Mask = ScalarVec<bool, kCount>;
-};
-
-}  // namespace detail
-
-template <typename T, std::size_t kLanes>
-using WideTag = ScalarTag<T, kLanes>;
-
-#else
-
 template <class V>
 struct Pair {
   V low, high;
@@ -102,8 +79,10 @@ struct PairTag {};
 
 namespace detail {
 
+#if HWY_TARGET != HWY_SCALAR
 template <class D>
 struct NativeTagOf<PairTag<D>> : NativeTagOf<D> {};
+#endif
 
 template <class D>
 struct TagTraits<PairTag<D>> {
@@ -184,8 +163,14 @@ HWY_INLINE Pair<V> ShiftBitsRight(const Pair<V>& v) {
   return {ShiftBitsRight<kBits>(v.low), ShiftBitsRight<kBits>(v.high)};
 }
 
-#if HWY_TARGET == HWY_SSE4
+#if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_SSE4
 
+#if HWY_TARGET == HWY_SCALAR
+template <class D>
+HWY_INLINE hn::Vec<D> FusedMulAdd(D, hn::Vec<D> factor, hn::Vec<D> x, hn::Vec<D> addend) {
+  return hn::Vec<D>(std::fma(factor.raw, x.raw, addend.raw));
+}
+#else
 /// factor * x + addend, rounded once. There is no instruction for it: double holds the product exactly, so
 /// that one result in 2^28 or so is rounded twice.
 template <class D>
@@ -200,6 +185,7 @@ HWY_INLINE hn::Vec<D> FusedMulAdd(D d, hn::Vec<D> factor, hn::Vec<D> x, hn::Vec<
       hn::PromoteTo(wide, hn::UpperHalf(half, addend)));
   return hn::Combine(d, hn::DemoteTo(half, upper), hn::DemoteTo(half, lower));
 }
+#endif
 template <class D>
 HWY_INLINE hn::Vec<D> FusedMulSub(D d, hn::Vec<D> factor, hn::Vec<D> x, hn::Vec<D> subtrahend) {
   return FusedMulAdd(d, factor, x, hn::Neg(subtrahend));
@@ -319,6 +305,9 @@ HWY_INLINE Pair<V> WithFirstLane(const Pair<V>& first, const Pair<V>& rest) {
 /// Rotates lanes upwards by one: the last lane becomes lane 0.
 template <class V>
 HWY_INLINE V Rotated(const V& v) {
+#if HWY_TARGET == HWY_SCALAR
+  return v;
+#else
   using D = hn::DFromV<V>;
   if constexpr (hn::MaxLanes(D()) == 4) {
     return hn::Shuffle2103(v);  // Highway emulates look-ups on WebAssembly, byte by byte
@@ -328,6 +317,7 @@ HWY_INLINE V Rotated(const V& v) {
     const auto before = hn::And(hn::Iota(di, kLast), hn::Set(di, kLast));
     return hn::TableLookupLanes(v, hn::IndicesFromVec(D(), before));
   }
+#endif
 }
 template <class V>
 HWY_INLINE Pair<V> Rotated(const Pair<V>& v) {
@@ -368,8 +358,6 @@ template <class D, class V>
 HWY_INLINE float MaxLane(PairTag<D>, const Pair<V>& v) {
   return MaxLane(D(), Max(v.low, v.high));
 }
-
-#endif  // HWY_TARGET == HWY_SCALAR
 
 }  // namespace splatlas::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -67,10 +67,6 @@ HWY_INLINE IntVector SegmentOf(const LongTransfer& transfer, Vector grey) {
   }
   return segment;
 }
-#if HWY_TARGET == HWY_SCALAR
-using ShortTransfer = LongTransfer;
-using AnyTransfer = LongTransfer;
-#else
 
 /// So few points that a row of the table fits a native vector: look-ups are permutations.
 class ShortTransfer : public TransferView {
@@ -127,8 +123,6 @@ HWY_INLINE IntVector SegmentOf(const AnyTransfer& any, Vector grey) {
   if (HWY_LIKELY(any.is_short())) return SegmentOf(ShortTransfer(any.transfer()), grey);
   return SegmentOf(LongTransfer(any.transfer()), grey);
 }
-
-#endif  // HWY_TARGET == HWY_SCALAR
 
 /// A grey value and its optical properties: extinction in 1/mm, shade as a factor of the colour.
 struct Classified {

@@ -65,31 +65,24 @@ struct SplitWords {
 #if HWY_TARGET == HWY_SCALAR
 
 template <class D>
-HWY_INLINE SplitWords<WideVec<D>> LoadWords(D, const std::uint64_t* words, const std::int32_t* indices) {
-  SplitWords<WideVec<D>> split;
-  for (std::size_t n = 0; n < D::kLanes; ++n) {
-    split.lower.lane[n] = static_cast<std::uint32_t>(words[indices[n]]);
-    split.upper.lane[n] = static_cast<std::uint32_t>(words[indices[n]] >> 32);
-  }
-  return split;
+HWY_INLINE SplitWords<hn::Vec<D>> LoadWords(D d, const std::uint64_t* words, const std::int32_t* indices) {
+  const std::uint64_t word = words[*indices];
+  return {hn::Set(d, static_cast<std::uint32_t>(word)), hn::Set(d, static_cast<std::uint32_t>(word >> 32))};
 }
 
-/// Lane by lane and byte by byte.
+/// Byte by byte.
 template <class V, class Choose>
-HWY_INLINE V ChooseBytes(const V& a, const V& b, const Choose& choose) {
-  V chosen{};
-  for (std::size_t n = 0; n < kPacketRays; ++n) {
-    for (int bit = 0; bit < 32; bit += 8)
-      chosen.lane[n] |= choose(a.lane[n] >> bit & 255, b.lane[n] >> bit & 255) << bit;
-  }
+HWY_INLINE V ChooseBytes(V a, V b, const Choose& choose) {
+  V chosen(0);
+  for (int bit = 0; bit < 32; bit += 8) chosen.raw |= choose(a.raw >> bit & 255, b.raw >> bit & 255) << bit;
   return chosen;
 }
 template <class V>
-HWY_INLINE V MinBytes(const V& a, const V& b) {
+HWY_INLINE V MinBytes(V a, V b) {
   return ChooseBytes(a, b, [](std::uint32_t x, std::uint32_t y) { return std::min(x, y); });
 }
 template <class V>
-HWY_INLINE V MaxBytes(const V& a, const V& b) {
+HWY_INLINE V MaxBytes(V a, V b) {
   return ChooseBytes(a, b, [](std::uint32_t x, std::uint32_t y) { return std::max(x, y); });
 }
 
@@ -127,6 +120,8 @@ HWY_INLINE V MaxBytes(V a, V b) {
   return hn::BitCast(hn::DFromV<V>(), hn::Max(hn::BitCast(bytes, a), hn::BitCast(bytes, b)));
 }
 
+#endif  // HWY_TARGET == HWY_SCALAR
+
 template <class D>
 HWY_INLINE SplitWords<WideVec<PairTag<D>>> LoadWords(PairTag<D>, const std::uint64_t* words,
                                                      const std::int32_t* indices) {
@@ -141,8 +136,6 @@ template <class V>
 HWY_INLINE Pair<V> MaxBytes(const Pair<V>& a, const Pair<V>& b) {
   return {MaxBytes(a.low, b.low), MaxBytes(a.high, b.high)};
 }
-
-#endif  // HWY_TARGET == HWY_SCALAR
 
 /// The grey values of the eight corners of cells, a byte each: front faces and back faces.
 struct CellCorners {

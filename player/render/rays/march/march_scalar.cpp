@@ -1,4 +1,4 @@
-// Scalar reference kernel of ray marching: the kernel compiled for one lane, without instruction sets.
+// Scalar reference kernel of ray marching: the kernel on vectors of one lane, without instruction sets.
 #undef HWY_COMPILE_ONLY_STATIC  // of sanitizer presets
 #define HWY_COMPILE_ONLY_SCALAR
 #include <hwy/highway.h>
