@@ -15,6 +15,7 @@
 #include "bench/scenes/paper_tables.h"
 #include "format/result_macros.h"
 #include "player/renderer.h"
+#include "player/web/info_json.h"
 
 namespace splatlas {
 namespace {
@@ -53,15 +54,14 @@ Result<Figure> read_figure(const std::string& name) {
 
 /// Tables 1 and 3: interior voxels, boundary voxels and triangles of every region.
 Result<Table> region_table(const Atlas& atlas, std::span<const paper::Region> regions, Table table) {
+  const std::vector<SubtreeCounts> counts_of_all = counts_of(atlas);
   for (const paper::Region& region : regions) {
     SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StructureIndex> found, atlas.graph().find(region.structure));
-    const DecisionTree::VoxelCounts counts = atlas.tree().voxel_counts(found.front());
-    std::uint64_t triangles = 0;
-    for (const StructureIndex d : atlas.graph().descendants(found.front())) triangles += atlas.triangles(d);
+    const SubtreeCounts& counts = counts_of_all[found.front()];
     table.rows.push_back({{"structure", region.structure},
                           {"interior", counts.interior},
                           {"boundary", counts.boundary},
-                          {"triangles", triangles},
+                          {"triangles", counts.triangles},
                           {"paper_region", region.name},
                           {"paper_interior", region.interior},
                           {"paper_boundary", region.boundary},

@@ -112,27 +112,4 @@ DrawPlan DecisionTree::plan(const Selection& selection) const {
   return plan;
 }
 
-DecisionTree::VoxelCounts DecisionTree::voxel_counts(StructureIndex s) const {
-  std::vector<ClassId> interior;
-  std::vector<ClassId> boundary;
-  for (const StructureIndex below : graph_.descendants(s)) {
-    const auto in = interior_classes(below);
-    const auto on = boundary_classes(below);
-    interior.insert(interior.end(), in.begin(), in.end());
-    boundary.insert(boundary.end(), on.begin(), on.end());
-  }
-  const auto sort_unique = [](std::vector<ClassId>& classes) {
-    std::sort(classes.begin(), classes.end());
-    classes.erase(std::unique(classes.begin(), classes.end()), classes.end());
-  };
-  sort_unique(interior);
-  sort_unique(boundary);
-  VoxelCounts counts;
-  for (const ClassId c : boundary) counts.boundary += classes_.voxels(c);
-  for (const ClassId c : interior) {
-    if (!std::binary_search(boundary.begin(), boundary.end(), c)) counts.interior += classes_.voxels(c);
-  }
-  return counts;
-}
-
 }  // namespace splatlas

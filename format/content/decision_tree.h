@@ -61,14 +61,6 @@ class DecisionTree {
   /// the leaves of the selected structures and in the number of structures and classes.
   [[nodiscard]] DrawPlan plan(const Selection& selection) const;
 
-  /// Voxels of `s` and its descendants, each counted once: as boundary if it is a boundary voxel of any of
-  /// them, else as interior. Voxels only crossed by an external surface count as boundary.
-  struct VoxelCounts {
-    std::uint64_t interior = 0, boundary = 0;
-  };
-  /// Cost: O(n log n) in the number of leaves below `s`.
-  [[nodiscard]] VoxelCounts voxel_counts(StructureIndex s) const;
-
  private:
   const StructureGraph& graph_;
   const ClassTable& classes_;

@@ -1,6 +1,5 @@
 #include "format/content/decision_tree.h"
 
-#include <set>
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -102,28 +101,6 @@ RC_GTEST_PROP(DecisionTree, PlansWhatEveryVoxelSays, ()) {
     if (drawn && has_boundary) surfaces.push_back(s);
   }
   RC_ASSERT(plan.surfaces == surfaces);
-}
-
-RC_GTEST_PROP(DecisionTree, CountsEachVoxelOnce, ()) {
-  auto random = *random_source();
-  const StructureGraph graph = random_graph(random);
-  const Voxels voxels = random_voxels(graph, random);
-  const DecisionTree tree(graph, voxels.table);
-  for (StructureIndex s = 0; s < graph.size(); ++s) {
-    const auto below = graph.descendants(s);
-    const std::set<StructureIndex> group(below.begin(), below.end());
-    std::uint64_t interior = 0, boundary = 0;
-    for (const Members& members : voxels.members) {
-      bool in = false, on = false;
-      for (const Membership& m : members) {
-        if (group.contains(m.structure)) (m.part == Part::kInterior ? in : on) = true;
-      }
-      boundary += on;
-      interior += in && !on;
-    }
-    RC_ASSERT(tree.voxel_counts(s).interior == interior);
-    RC_ASSERT(tree.voxel_counts(s).boundary == boundary);
-  }
 }
 
 RC_GTEST_PROP(DecisionTree, LeavesAreTheClassesOfAStructureItself, ()) {

@@ -2,6 +2,7 @@
 
 #include "preprocess/atlas/build_atlas.h"
 
+#include <array>
 #include <random>
 
 #include <gmock/gmock.h>
@@ -9,6 +10,7 @@
 
 #include "format/atlas_reader.h"
 #include "format/content/decision_tree.h"
+#include "format/derive/subtree_counts.h"
 #include "preprocess/export/export_atlas.h"
 #include "preprocess/export/write_image.h"
 #include "tests/preprocess/build_atlas_fixture.h"
@@ -163,10 +165,10 @@ TEST_F(BuildAtlas, SegmentsTakeWhatNoLabelHoldsAndLeaveLabelsAlone) {
                                     *parse_segment("Outer=threshold:50")};
   const AtlasContent content = build(build_options);
   ASSERT_EQ(content.graph.size(), 3u);
-  const DecisionTree tree(content.graph, content.classes);
-  const auto voxels = [&](StructureIndex s) {
-    return tree.voxel_counts(s).interior + tree.voxel_counts(s).boundary;
-  };
+  const auto counts =
+      subtree_counts(content.graph, content.classes, DecisionTree(content.graph, content.classes),
+                     std::array<std::uint64_t, 3>{});
+  const auto voxels = [&](StructureIndex s) { return counts[s].interior + counts[s].boundary; };
   EXPECT_EQ(content.graph[0].label, 7);
   EXPECT_EQ(voxels(0), 8u);
   EXPECT_EQ(content.graph[1].name, "Middle");
