@@ -3,7 +3,9 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,6 +39,11 @@ struct Examination {
   std::vector<Finding> findings;   ///< by kind, in the order of findings.txt
   Silhouette shape{};              ///< of all structures
 };
+
+/// The front of a nose, halfway up: for 10 mm upwards, the front of the mask rises by 12 mm and more over the
+/// points 25 mm to both sides, where the mask is 90 to 230 mm wide. Foreheads, brains and cut faces are
+/// flatter. `grid` is a storage grid. Linear in the voxels.
+[[nodiscard]] std::optional<Index3> find_nose(std::span<const std::uint8_t> mask, const Grid& grid);
 
 /// Examines an atlas; docs/guide.md has the rules. Linear in voxels, structures and pairs of structures in
 /// one class, and the holes. Memory: 4 bytes per voxel, and grey values if a name tells of a head. Errors of

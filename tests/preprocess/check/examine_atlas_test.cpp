@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "preprocess/check/find_nose.h"
 #include "tests/support/test_content.h"
 
 namespace splatlas {
