@@ -17,7 +17,7 @@ elseif(NOT EXISTS ${web_module})
 endif()
 set_property(GLOBAL PROPERTY SPLATLAS_EMBEDDED_MODULE "${web_module}")  # for tests
 
-set(embedding ${CMAKE_CURRENT_LIST_DIR}/page_files.cpp)
+set(embedding ${CMAKE_CURRENT_LIST_DIR}/html_page.cpp)
 file(GLOB embedded CONFIGURE_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/page/*)
 list(APPEND embedded ${CMAKE_CURRENT_LIST_DIR}/splatlas.js)
 set(definitions SPLATLAS_WEB_FOLDER="${CMAKE_CURRENT_LIST_DIR}")
