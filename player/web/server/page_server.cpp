@@ -1,9 +1,13 @@
 #include "player/web/server/page_server.h"
 
+#include <algorithm>
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <condition_variable>
 #include <cstring>
+#include <exception>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -13,12 +17,15 @@
 #include <utility>
 #include <vector>
 
+#include <arpa/inet.h>
+#include <microhttpd.h>
 #include <nlohmann/json.hpp>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include "format/result_macros.h"
 #include "player/web/page_engine.h"
 #include "player/web/server/door.h"
-#include "player/web/server/http_server.h"
 
 namespace splatlas {
 namespace {
@@ -29,6 +36,76 @@ using Json = nlohmann::ordered_json;
 constexpr std::chrono::seconds kBeat{1};
 constexpr std::chrono::seconds kLeftAfter{10};
 constexpr std::uint32_t kNoPage = 410;
+constexpr std::size_t kMaxHeadBytes = 65536;  // cookies of many servers at 127.0.0.1
+constexpr std::size_t kMaxBodyBytes = std::size_t{1} << 20;
+constexpr unsigned kMaxConnections = 400;
+constexpr unsigned kPatienceSeconds = 10;
+constexpr std::string_view kEvent = ":\n\n";
+
+/// A request, while it is answered.
+struct HttpRequest {
+  MHD_Connection* connection;
+  std::string_view method, path;
+
+  /// Of the address, decoded, or of the head, as it was sent; empty: none.
+  [[nodiscard]] std::string_view value(MHD_ValueKind kind, const char* name) const {
+    const char* const value = MHD_lookup_connection_value(connection, kind, name);
+    return value != nullptr ? value : "";
+  }
+  [[nodiscard]] std::string argument(const char* name) const {
+    return std::string(value(MHD_GET_ARGUMENT_KIND, name));
+  }
+};
+
+using Beat = std::function<bool()>;
+
+struct HttpAnswer {
+  unsigned status = 200;
+  const char* type = "text/plain";
+  std::vector<std::byte> body = {};
+  std::vector<std::pair<const char*, std::string>> headers = {};
+  /// If set, the answer is a stream of events without content: beat() waits for the time of the next one, and
+  /// returns false at the end. Destroyed once the client has closed the connection.
+  Beat beat = {};
+};
+
+ssize_t write_event(void* beat, std::uint64_t /*position*/, char* to, std::size_t room) {
+  if (room < kEvent.size() || !(*static_cast<Beat*>(beat))()) return MHD_CONTENT_READER_END_OF_STREAM;
+  std::ranges::copy(kEvent, to);
+  return static_cast<ssize_t>(kEvent.size());
+}
+
+template <typename T>
+void destroy(void* object) {
+  delete static_cast<T*>(object);
+}
+
+/// Owns what is left of the answer.
+MHD_Response* response_of(HttpAnswer& answer) {
+  if (answer.beat)
+    return MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, 64, write_event,
+                                             new Beat(std::move(answer.beat)), destroy<Beat>);
+  auto* const body = new std::vector<std::byte>(std::move(answer.body));
+  return MHD_create_response_from_buffer_with_free_callback_cls(body->size(), body->data(),
+                                                                destroy<std::vector<std::byte>>, body);
+}
+
+MHD_Result send(MHD_Connection* connection, HttpAnswer answer) {
+  MHD_Response* const response = response_of(answer);
+  if (response == nullptr) return MHD_NO;
+  MHD_add_response_header(response, "Content-Type", answer.type);
+  MHD_add_response_header(response, "Cache-Control", "no-store");
+  MHD_add_response_header(response, "X-Content-Type-Options", "nosniff");
+  for (const auto& [name, value] : answer.headers) MHD_add_response_header(response, name, value.c_str());
+  const MHD_Result queued = MHD_queue_response(connection, answer.status, response);
+  MHD_destroy_response(response);
+  return queued;
+}
+
+void on_end(void* /*closure*/, MHD_Connection* /*connection*/, void** state,
+            MHD_RequestTerminationCode /*why*/) {
+  delete static_cast<std::string*>(std::exchange(*state, nullptr));
+}
 
 std::vector<std::byte> bytes_of(std::string_view text) {
   const auto* const bytes = reinterpret_cast<const std::byte*>(text.data());
@@ -74,7 +151,7 @@ struct PageServer::Impl {
   std::map<std::string, Sessions> open;  // pages by their id
   std::optional<Clock::time_point> left;
   std::string missing;
-  std::optional<HttpServer> server;  // last: its threads use the rest
+  MHD_Daemon* daemon = nullptr;
 
   Impl(ServedPage given, Door opened) : page(std::move(given)), door(std::move(opened)) {}
   ~Impl() {
@@ -84,7 +161,7 @@ struct PageServer::Impl {
       for (const auto& [id, sessions] : open) stop_all(sessions);
     }
     ends.notify_all();
-    server.reset();
+    if (daemon != nullptr) MHD_stop_daemon(daemon);  // its threads use the rest
   }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -96,19 +173,64 @@ struct PageServer::Impl {
     }
   }
 
+  /// Answers each connection on a thread of its own.
+  Result<void> serve() {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(page.port);
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    errno = 0;
+    daemon = MHD_start_daemon(
+        MHD_USE_THREAD_PER_CONNECTION | MHD_USE_POLL_INTERNAL_THREAD, 0, nullptr, nullptr, on_request, this,
+        MHD_OPTION_SOCK_ADDR, reinterpret_cast<sockaddr*>(&address), MHD_OPTION_NOTIFY_COMPLETED, on_end,
+        nullptr, MHD_OPTION_CONNECTION_MEMORY_LIMIT, kMaxHeadBytes, MHD_OPTION_CONNECTION_LIMIT,
+        kMaxConnections, MHD_OPTION_CONNECTION_TIMEOUT, kPatienceSeconds, MHD_OPTION_END);
+    if (daemon != nullptr) return {};
+    return fail(ErrorCode::kFailed, "port {} of 127.0.0.1: cannot be taken: {}; give another --port, or none",
+                page.port, std::strerror(errno));
+  }
+
+  [[nodiscard]] std::uint16_t port() const {
+    return MHD_get_daemon_info(daemon, MHD_DAEMON_INFO_BIND_PORT)->port;
+  }
+
+  /// The first call of a request has its head, those that follow the body in pieces, and the last one
+  /// nothing.
+  static MHD_Result on_request(void* closure, MHD_Connection* connection, const char* path,
+                               const char* method, const char* /*version*/, const char* piece,
+                               std::size_t* piece_bytes, void** state) try {
+    auto& impl = *static_cast<Impl*>(closure);
+    const HttpRequest request{connection, method, path};
+    auto*& body = reinterpret_cast<std::string*&>(*state);
+    if (body == nullptr) {
+      if (!impl.admits(request)) return send(connection, {.status = 403});
+      body = new std::string;
+      return MHD_YES;
+    }
+    if (*piece_bytes > 0) {
+      if (body->size() + *piece_bytes > kMaxBodyBytes) return MHD_NO;
+      body->append(piece, std::exchange(*piece_bytes, 0));
+      return MHD_YES;
+    }
+    return send(connection, impl.answer(request, *body));
+  } catch (const std::exception&) {
+    return MHD_NO;
+  }
+
+  /// Without: 403, before the body is read.
   bool admits(const HttpRequest& request) const {
-    return door.admits({.host = request.header("Host"),
-                        .origin = request.header("Origin"),
-                        .token = request.argument("token"),
-                        .cookie = request.cookie(door.cookie_name())});
+    return door.admits({.host = request.value(MHD_HEADER_KIND, "Host"),
+                        .origin = request.value(MHD_HEADER_KIND, "Origin"),
+                        .token = request.value(MHD_GET_ARGUMENT_KIND, "token"),
+                        .cookie = request.value(MHD_COOKIE_KIND, door.cookie_name().c_str())});
   }
 
   HttpAnswer answer(const HttpRequest& request, const std::string& body) {
-    const std::string id(request.argument("page"));
+    const std::string id = request.argument("page");
     if (request.method == "GET" && request.path == "/") return whole_page();
     if (request.method == "GET" && request.path == "/alive" && !id.empty()) return alive(id);
     if (request.method == "POST" && request.path == "/call")
-      return call(id, std::string(request.argument("worker")), body);
+      return call(id, request.argument("worker"), body);
     return {.status = 404, .body = bytes_of("no such address\n")};
   }
 
@@ -184,22 +306,18 @@ Result<std::unique_ptr<PageServer>> PageServer::start(ServedPage page) {
   SPLATLAS_ASSIGN_OR_RETURN(Door door, Door::create());
   std::unique_ptr<PageServer> made(new PageServer);
   made->impl_ = std::make_unique<Impl>(std::move(page), std::move(door));
-  Impl& impl = *made->impl_;
-  HttpHandler handler{.admits = [&impl](const HttpRequest& request) { return impl.admits(request); },
-                      .answer = [&impl](const HttpRequest& request,
-                                        const std::string& body) { return impl.answer(request, body); }};
-  SPLATLAS_ASSIGN_OR_RETURN(impl.server, HttpServer::start(impl.page.port, std::move(handler)));
+  SPLATLAS_RETURN_IF_ERROR(made->impl_->serve());
   return made;
 }
 
 PageServer::~PageServer() = default;
 
 std::string PageServer::address() const {
-  return impl_->door.address(impl_->server->port());
+  return impl_->door.address(impl_->port());
 }
 
 std::string PageServer::address_with_ticket() const {
-  return impl_->door.address_with_ticket(impl_->server->port());
+  return impl_->door.address_with_ticket(impl_->port());
 }
 
 bool PageServer::is_left() const {

@@ -27,10 +27,11 @@ struct ServedPage {
 ///     page is closed.
 ///
 /// A worker has an engine of its own; all read one atlas. A draft ends what the other workers of its page
-/// draw. Thread-safe.
+/// draw. Limits: 64 KiB for a request without its body, 1 MiB for a body, 10 s for a pause, 400 connections.
+/// Thread-safe.
 class PageServer {
  public:
-  /// Errors of HttpServer::start() and Door::create().
+  /// kFailed with the port and the reason. Errors of Door::create().
   [[nodiscard]] static Result<std::unique_ptr<PageServer>> start(ServedPage page);
   /// Ends all pictures, and returns when no thread is left.
   ~PageServer();
