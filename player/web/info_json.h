@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "format/atlas_reader.h"
-#include "format/derive/subtree_counts.h"
+#include "format/content/decision_tree.h"
 
 namespace splatlas {
 
