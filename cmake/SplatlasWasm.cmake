@@ -63,7 +63,7 @@ endfunction()
 
 # What a page has no use for: it writes no files and compares no kernels. web_system.cpp replaces the rest.
 set(SPLATLAS_NOT_IN_MODULE
-  file/atlas_writer.cpp file/reader/atlas_copy.cpp io/input_file.cpp io/memory_limit.cpp io/output_file.cpp io/output_path.cpp
+  file/atlas_writer.cpp file/reader/atlas_copy.cpp io/input_file.cpp io/memory_limit.cpp io/output_file.cpp
   render/rays/march/march_scalar.cpp render/sheets/splat/splat_scalar.cpp write_png.cpp)
 function(splatlas_library name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "HEADERS")

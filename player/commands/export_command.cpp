@@ -12,7 +12,6 @@
 #include "format/atlas_reader.h"
 #include "format/io/input_file.h"
 #include "format/io/output_file.h"
-#include "format/io/output_path.h"
 #include "format/program/command_options.h"
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"

@@ -13,7 +13,6 @@
 #include <unistd.h>
 
 #include "format/io/output_file.h"
-#include "format/io/output_path.h"
 #include "format/program/standard_output.h"
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"

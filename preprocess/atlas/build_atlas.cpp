@@ -9,7 +9,6 @@
 #include "format/atlas_writer.h"
 #include "format/derive/value_groups.h"
 #include "format/io/output_file.h"
-#include "format/io/output_path.h"
 #include "format/result_macros.h"
 #include "preprocess/import/tables/read_scenes.h"
 #include "preprocess/surfaces/extract_surfaces.h"

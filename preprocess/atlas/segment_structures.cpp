@@ -10,7 +10,7 @@
 #include "format/text/ascii_text.h"
 #include "preprocess/classify/fragments.h"
 #include "preprocess/import/tables/text_file.h"
-#include "preprocess/surfaces/isosurface.h"
+#include "preprocess/surfaces/vtk_surface.h"
 
 namespace splatlas {
 namespace {

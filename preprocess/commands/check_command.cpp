@@ -4,7 +4,6 @@
 
 #include "format/atlas_reader.h"
 #include "format/io/output_file.h"
-#include "format/io/output_path.h"
 #include "format/program/command_options.h"
 #include "format/program/standard_output.h"
 #include "format/result_macros.h"

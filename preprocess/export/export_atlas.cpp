@@ -8,7 +8,6 @@
 
 #include "format/content/selection.h"
 #include "format/io/output_file.h"
-#include "format/io/output_path.h"
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"
 #include "preprocess/export/export_labels.h"

@@ -1,5 +1,3 @@
-#include "format/io/output_path.h"
-
 #include <fstream>
 #include <string>
 #include <vector>
@@ -8,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include "format/io/output_file.h"
 #include "tests/format/ordinary_user.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/temporary_folder.h"
