@@ -11,8 +11,7 @@
 #include "player/files/load_module.h"
 #include "player/files/picture_encoder.h"
 #include "player/page/annotate_picture.h"
-#include "player/page/draw_outlines.h"
-#include "player/page/named_structures.h"
+#include "player/page/visible_structures.h"
 
 namespace splatlas {
 namespace {

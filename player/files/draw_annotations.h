@@ -1,15 +1,24 @@
-// Annotations drawn into the pixels of a picture.
+// Annotations drawn into the pixels of a picture, or beside it in an SVG document.
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <span>
+#include <string>
 
 #include "format/content/color.h"
 #include "format/result.h"
+#include "player/camera.h"
 #include "player/files/load_module.h"
 #include "player/page/annotation.h"
 #include "player/picture.h"
 
 namespace splatlas {
+
+/// Writes an SVG 1.1 document in pixels, whose page has the size of the picture at `dpi`. `png` is embedded,
+/// texts stay texts in sans-serif fonts, and their widths are those of the layout in any font.
+[[nodiscard]] std::string svg_document(std::span<const std::byte> png, const PictureSize& size, double dpi,
+                                       const AnnotationLayer& layer);
 
 /// Draws a layer over a picture, antialiased. Covered pixels are composited over `background`, if there is
 /// one, and mixed in sRGB, so that dark and light strokes look equally thick. All others keep their bits.

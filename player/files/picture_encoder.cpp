@@ -11,7 +11,6 @@
 
 #include "format/result_macros.h"
 #include "player/files/draw_annotations.h"
-#include "player/files/svg_document.h"
 #include "player/write_png.h"
 
 namespace splatlas {

@@ -1,12 +1,29 @@
 // Layout of a picture's annotations.
 #pragma once
 
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "format/content/selection.h"
 #include "format/result.h"
 #include "player/camera.h"
 #include "player/page/annotation.h"
 #include "player/page/page_layout.h"
 
 namespace splatlas {
+
+/// A text as one printable line, cut off if it is too long to lay out.
+[[nodiscard]] std::string printed_line(std::string_view text);
+/// The same with its line feeds.
+[[nodiscard]] std::string printed_lines(std::string_view text);
+
+/// The structures in a picture of a selection, in the order of the tree, with blanks for underscores.
+/// `labelled`: [structure], may get a label; empty: all may. Cost: 40 000 calls of `at`.
+[[nodiscard]] std::vector<NamedStructure> named_structures(const Picture& picture, const StructureAt& at,
+                                                           const StructureGraph& graph,
+                                                           const Selection& selection,
+                                                           const std::vector<bool>& labelled);
 
 /// Places the annotations. Texts have 7 to 13 points in print and lie inside the picture. Labels cover no
 /// structure (see place_labels()). Other items leave structures free where they can; `notes` names those that

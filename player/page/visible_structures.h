@@ -10,6 +10,11 @@
 
 namespace splatlas {
 
+/// Darkens a picture at its outlines: between pixels that show different structures, and where depths of
+/// neighbours differ by more than 12 pixels, as at folds; not between translucent pixels. Lines are a pixel
+/// wide, or a 900th of the picture's short side, with soft edges. `ids` and `depths`: of one frame.
+void draw_outlines(const IdImage& ids, const DepthMap& depths, double mm_per_pixel, Picture& picture);
+
 /// Structures at regular samples of a picture. Sample (i, j) is at ((i + 0.5) * step, (j + 0.5) * step).
 struct IdGrid {
   int columns = 0, rows = 0;

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include "player/files/svg_document.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/temporary_folder.h"

@@ -3,9 +3,8 @@
 
 #include <gmock/gmock.h>
 
-#include "player/page/free_space.h"
+#include "player/page/page_layout.h"
 #include "player/page/place_labels.h"
-#include "player/page/wrap_text.h"
 #include "tests/player/page/label_scene.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/repetitions.h"

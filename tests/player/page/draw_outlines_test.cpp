@@ -1,10 +1,10 @@
-#include "player/page/draw_outlines.h"
-
 #include <algorithm>
 #include <array>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "player/page/visible_structures.h"
 
 namespace splatlas {
 namespace {

@@ -6,9 +6,8 @@
 #include <gmock/gmock.h>
 
 #include "player/camera.h"
-#include "player/page/free_space.h"
 #include "player/page/page_layout.h"
-#include "player/page/wrap_text.h"
+#include "player/page/place_labels.h"
 #include "tests/player/page/label_scene.h"
 
 namespace splatlas {
