@@ -18,7 +18,6 @@
 #include "format/tasks/task_control.h"
 #include "format/tasks/thread_pool.h"
 #include "format/text/ascii_text.h"
-#include "preprocess/export/image_headers.h"
 #include "preprocess/export/write_image.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/text_file.h"

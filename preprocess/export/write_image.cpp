@@ -1,20 +1,29 @@
 #include "preprocess/export/write_image.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 #include <functional>
 #include <initializer_list>
+#include <limits>
 #include <memory>
 #include <new>
 #include <optional>
 #include <span>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nifti1_io.h>
 #include <zlib.h>
 
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"
 #include "format/text/ascii_text.h"
-#include "preprocess/export/image_headers.h"
+#include "preprocess/import/images/import_image.h"
+#include "preprocess/import/images/nifti/nifti_header.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
 #include "preprocess/import/import_error.h"
 
@@ -79,6 +88,171 @@ Result<void> deflate_parts(std::initializer_list<Bytes> parts, bool gzip, int le
       SPLATLAS_RETURN_IF_ERROR(pump(part.first(std::min(part.size(), kMaxInput)), Z_NO_FLUSH));
   }
   return pump({}, Z_FINISH);
+}
+
+constexpr std::array<std::int16_t, 9> kTypes{DT_NONE,   DT_UINT8, DT_INT8,    DT_UINT16, DT_INT16,
+                                             DT_UINT32, DT_INT32, DT_FLOAT32, DT_FLOAT64};
+
+/// The axes and the origin, in RAS.
+mat44 axes_ras(const Grid& grid) {
+  mat44 axes{};
+  for (std::size_t row = 0; row < 3; ++row) {
+    const float sign = row < 2 ? -1.f : 1.f;
+    for (std::size_t a = 0; a < 3; ++a)
+      axes.m[row][a] = sign * static_cast<float>(grid.direction_lps[3 * row + a]);
+    axes.m[row][3] = sign * static_cast<float>(grid.origin_lps_mm[row]);
+  }
+  return axes;
+}
+
+/// Replaces axes by the nearest orthonormal ones. False for sheared ones, which stay.
+bool make_orthonormal(mat44& axes) {
+  const auto& m = axes.m;
+  const mat44 rows = nifti_make_orthog_mat44(m[0][0], m[1][0], m[2][0], m[0][1], m[1][1], m[2][1], m[0][2],
+                                             m[1][2], m[2][2]);
+  constexpr float kMaxShear = 1e-4f;
+  mat44 nearest = axes;
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      nearest.m[row][a] = rows.m[a][row];
+      if (!(std::abs(nearest.m[row][a] - m[row][a]) <= kMaxShear)) return false;
+    }
+  }
+  axes = nearest;
+  return true;
+}
+
+/// The map from voxel indices.
+mat44 scaled_axes(const mat44& axes, const Grid& grid) {
+  mat44 scaled = axes;
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t a = 0; a < 3; ++a) scaled.m[row][a] *= static_cast<float>(grid.spacing_mm[a]);
+  }
+  return scaled;
+}
+
+/// Replaces a number that is too small for is_plausible() by 0.
+void make_plausible(float& number) {
+  if (std::abs(number) < 1e-36f) number = std::copysign(0.f, number);
+}
+
+nifti_1_header make_header(const Grid& grid, VoxelType type) {
+  nifti_1_header h{};
+  h.sizeof_hdr = sizeof(h);
+  h.regular = 'r';
+  std::fill_n(h.dim, 8, std::int16_t{1});
+  h.dim[0] = 3;
+  for (std::size_t a = 0; a < 3; ++a) {
+    h.dim[a + 1] = static_cast<std::int16_t>(grid.size[a]);
+    h.pixdim[a + 1] = static_cast<float>(grid.spacing_mm[a]);
+  }
+  h.datatype = kTypes[static_cast<std::size_t>(type)];
+  h.bitpix = static_cast<std::int16_t>(8 * bytes_of(type));
+  h.vox_offset = sizeof(h) + 4;  // behind the empty list of extensions
+  h.scl_slope = 1;
+  h.xyzt_units = NIFTI_UNITS_MM;
+  std::copy_n("n+1", 4, h.magic);
+
+  mat44 axes = axes_ras(grid);
+  h.sform_code = NIFTI_XFORM_SCANNER_ANAT;
+  h.qform_code = make_orthonormal(axes) ? NIFTI_XFORM_SCANNER_ANAT : NIFTI_XFORM_UNKNOWN;
+  nifti_mat44_to_quatern(axes, &h.quatern_b, &h.quatern_c, &h.quatern_d, &h.qoffset_x, &h.qoffset_y,
+                         &h.qoffset_z, nullptr, nullptr, nullptr, &h.pixdim[0]);
+  const mat44 sform = scaled_axes(axes, grid);
+  std::copy_n(sform.m[0], 4, h.srow_x);
+  std::copy_n(sform.m[1], 4, h.srow_y);
+  std::copy_n(sform.m[2], 4, h.srow_z);
+  for (float* const number :
+       {&h.quatern_b, &h.quatern_c, &h.quatern_d, &h.qoffset_x, &h.qoffset_y, &h.qoffset_z})
+    make_plausible(*number);
+  for (float* const row : {h.srow_x, h.srow_y, h.srow_z}) std::for_each_n(row, 4, make_plausible);
+  return h;
+}
+
+/// True if import_image() reads the grid from the header.
+bool holds(const std::string& header, const Grid& grid, const fs::path& path) {
+  const auto parsed = parse_nifti_header(std::as_bytes(std::span(header)), path);
+  Notes notes;
+  const Result<Grid> read = parsed ? nifti_grid(*parsed, path, notes) : tl::unexpected(parsed.error());
+  return read && check_same_grid(grid, "", *read, "");
+}
+
+// Headers of NRRD and MetaImage files.
+
+static_assert(std::endian::native == std::endian::little, "voxels are written in the order of the machine");
+
+/// Names by the number of a VoxelType.
+using TypeNames = std::array<const char*, 9>;
+constexpr TypeNames kNrrdTypes{
+    "", "unsigned char", "signed char", "unsigned short", "short", "unsigned int", "int", "float", "double"};
+constexpr TypeNames kMetaTypes{"",         "MET_UCHAR", "MET_CHAR",  "MET_USHORT", "MET_SHORT",
+                               "MET_UINT", "MET_INT",   "MET_FLOAT", "MET_DOUBLE"};
+
+const char* name_in(const TypeNames& names, VoxelType type) {
+  return names[static_cast<std::size_t>(type)];
+}
+
+/// Replaces -0, and numbers that are too small for is_plausible(), by 0.
+template <std::size_t kCount>
+std::array<double, kCount> plausible(std::array<double, kCount> numbers) {
+  for (double& number : numbers) {
+    if (!(std::abs(number) > 1e-36)) number = 0;
+  }
+  return numbers;
+}
+
+/// Column `axis` of the direction matrix, times `scale`.
+Vec3 scaled_direction(const Grid& grid, std::size_t axis, double scale) {
+  const Matrix3& direction = grid.direction_lps;
+  return plausible(Vec3{scale * direction[axis], scale * direction[3 + axis], scale * direction[6 + axis]});
+}
+
+/// Everything ahead of the voxels of an NRRD file with encoding gzip. Numbers are the shortest text of the
+/// exact doubles.
+std::string nrrd_header(const Grid& grid, VoxelType type) {
+  const auto direction = [&](std::size_t axis) {
+    return fmt::format("({})", fmt::join(scaled_direction(grid, axis, grid.spacing_mm[axis]), ","));
+  };
+  return fmt::format(
+      "NRRD0004\n"
+      "# Complete NRRD file format specification at:\n"
+      "# http://teem.sourceforge.net/nrrd/format.html\n"
+      "type: {}\n"
+      "dimension: 3\n"
+      "space: left-posterior-superior\n"
+      "sizes: {}\n"
+      "space directions: {} {} {}\n"
+      "kinds: domain domain domain\n"
+      "endian: little\n"
+      "encoding: gzip\n"
+      "space origin: ({})\n"
+      "\n",
+      name_in(kNrrdTypes, type), fmt::join(grid.size, " "), direction(0), direction(1), direction(2),
+      fmt::join(plausible(grid.origin_lps_mm), ","));
+}
+
+/// The same of a MetaImage file with `compressed_bytes` bytes of compressed voxels.
+std::string meta_image_header(const Grid& grid, VoxelType type, std::uint64_t compressed_bytes) {
+  const auto direction = [&](std::size_t axis) {
+    return fmt::format("{}", fmt::join(scaled_direction(grid, axis, 1), " "));
+  };
+  return fmt::format(
+      "ObjectType = Image\n"
+      "NDims = 3\n"
+      "BinaryData = True\n"
+      "BinaryDataByteOrderMSB = False\n"
+      "CompressedData = True\n"
+      "CompressedDataSize = {}\n"
+      "TransformMatrix = {} {} {}\n"
+      "Offset = {}\n"
+      "CenterOfRotation = 0 0 0\n"
+      "ElementSpacing = {}\n"
+      "DimSize = {}\n"
+      "ElementType = {}\n"
+      "ElementDataFile = LOCAL\n",
+      compressed_bytes, direction(0), direction(1), direction(2),
+      fmt::join(plausible(grid.origin_lps_mm), " "), fmt::join(grid.spacing_mm, " "),
+      fmt::join(grid.size, " "), name_in(kMetaTypes, type));
 }
 
 Result<void> write_nifti(const Image& image, const fs::path& path, int level, const Sink& sink) {
@@ -157,6 +331,20 @@ Result<std::vector<std::byte>> encode_mask_file(const Image& mask, const fs::pat
     return {};
   }));
   return file;
+}
+
+Result<std::string> nifti_header(const Grid& grid, VoxelType type, const fs::path& path) {
+  constexpr std::int64_t kMaxSize = std::numeric_limits<std::int16_t>::max();
+  if (std::ranges::max(grid.size) > kMaxSize) {
+    return bad_file(path, "this format cannot hold {} voxels: at most {} along an axis; write .nrrd",
+                    fmt::join(grid.size, " x "), kMaxSize);
+  }
+  const nifti_1_header header = make_header(grid, type);
+  std::string bytes(sizeof(header) + 4, '\0');
+  std::memcpy(bytes.data(), &header, sizeof(header));
+  if (!holds(bytes, grid, path))
+    return bad_file(path, "this format cannot hold the volume's geometry; write .nrrd");
+  return bytes;
 }
 
 }  // namespace splatlas

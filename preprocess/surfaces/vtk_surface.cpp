@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -15,6 +16,7 @@
 #include <vtkPolyData.h>
 #include <vtkUnsignedCharArray.h>
 
+#include "format/derive/fit_surface.h"
 #include "format/result_macros.h"
 #include "preprocess/import/meshes/quiet_vtk.h"
 
@@ -159,6 +161,151 @@ std::vector<Triangle> renumbered(const EdgeTriangles& vtk, std::span<const std::
   return triangles;
 }
 
+using Vec3f = std::array<float, 3>;
+
+/// Grey values of type T, less the level of an isosurface.
+template <typename T>
+class LevelField {
+ public:
+  LevelField(const VoxelBuffer& values, double level, const Grid& grid)
+      : values_(values.as<T>()), level_(level), grid_(grid) {}
+
+  /// nullopt beyond the grid and for values that are not finite.
+  [[nodiscard]] std::optional<double> at(const Index3& voxel) const {
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (voxel[a] < 0 || voxel[a] >= grid_.size[a]) return std::nullopt;
+    }
+    const auto value =
+        static_cast<double>(values_[static_cast<std::size_t>(grid_.offset(voxel[0], voxel[1], voxel[2]))]);
+    if (!std::isfinite(value)) return std::nullopt;
+    return value - level_;
+  }
+
+  /// Calls visit(tap, value) along i, with the grid's border repeated, and 0 for values that are not finite.
+  template <std::size_t kTaps, typename Visit>
+  void visit_row(std::int64_t i, std::int64_t j, std::int64_t k, const Visit& visit) const {
+    const auto& [ni, nj, nk] = grid_.size;
+    const T* const row = values_ + grid_.offset(0, std::clamp<std::int64_t>(j, 0, nj - 1),
+                                                std::clamp<std::int64_t>(k, 0, nk - 1));
+    for (std::size_t n = 0; n < kTaps; ++n) {
+      const auto at = std::clamp<std::int64_t>(i + static_cast<std::int64_t>(n), 0, ni - 1);
+      const auto value = static_cast<double>(row[at]);
+      visit(n, std::isfinite(value) ? value - level_ : 0);
+    }
+  }
+
+ private:
+  const T* values_;
+  double level_;
+  const Grid& grid_;
+};
+
+/// The field on a crop, with the signs of the mask: positive inside, negative outside.
+template <typename T>
+std::vector<float> signed_field(const LevelField<T>& field, const StructureCrop& crop) {
+  constexpr double kMin = std::numeric_limits<float>::min(), kMax = 1e30;
+  std::vector<float> result(crop.parts.size());
+  std::size_t n = 0;
+  for (std::int64_t k = 0; k < crop.size[2]; ++k) {
+    for (std::int64_t j = 0; j < crop.size[1]; ++j) {
+      for (std::int64_t i = 0; i < crop.size[0]; ++i, ++n) {
+        const double value = field.at({i + crop.first[0], j + crop.first[1], k + crop.first[2]}).value_or(0);
+        const bool inside = crop.parts[n] != StructureCrop::kOutside;
+        result[n] =
+            static_cast<float>(inside ? std::clamp(value, kMin, kMax) : std::clamp(value, -kMax, -kMin));
+      }
+    }
+  }
+  return result;
+}
+
+/// Weights of a Gaussian, and of its derivative, around a position on an axis.
+struct GaussianTaps {
+  static constexpr std::int64_t kTaps = 12;
+  static constexpr double kSigma = 1.75;  // voxels
+  std::int64_t first = 0;
+  std::array<double, kTaps> gauss{}, derivative{};
+
+  explicit GaussianTaps(double position)
+      : first(static_cast<std::int64_t>(std::floor(position)) - kTaps / 2 + 1) {
+    for (std::size_t n = 0; n < gauss.size(); ++n) {
+      const double t = static_cast<double>(first) + static_cast<double>(n) - position;
+      gauss[n] = std::exp(-0.5 * t * t / (kSigma * kSigma));
+      derivative[n] = t * gauss[n];
+    }
+  }
+};
+
+/// Gradient per voxel, but for a factor, of the smoothed field. Less smoothing shows the slices of CT as
+/// terraces, because values change within one slice there.
+template <typename T>
+Vec3 smooth_gradient(const LevelField<T>& field, const Vec3& position) {
+  const std::array<GaussianTaps, 3> taps{GaussianTaps(position[0]), GaussianTaps(position[1]),
+                                         GaussianTaps(position[2])};
+  Vec3 gradient{0, 0, 0};
+  for (std::size_t k = 0; k < GaussianTaps::kTaps; ++k) {
+    for (std::size_t j = 0; j < GaussianTaps::kTaps; ++j) {
+      double smooth = 0, along_i = 0;
+      field.template visit_row<GaussianTaps::kTaps>(
+          taps[0].first, taps[1].first + static_cast<std::int64_t>(j),
+          taps[2].first + static_cast<std::int64_t>(k), [&](std::size_t i, double value) {
+            smooth += taps[0].gauss[i] * value;
+            along_i += taps[0].derivative[i] * value;
+          });
+      gradient[0] += taps[1].gauss[j] * taps[2].gauss[k] * along_i;
+      gradient[1] += taps[1].derivative[j] * taps[2].gauss[k] * smooth;
+      gradient[2] += taps[1].gauss[j] * taps[2].derivative[k] * smooth;
+    }
+  }
+  return gradient;
+}
+
+/// Moves single vertices to an isosurface.
+template <typename T>
+class VertexMover {
+ public:
+  VertexMover(const LevelField<T>& field, const Grid& grid) : field_(field), lps_normals_(grid) {}
+
+  /// kFailed if `found`, VTK's vertex, is not between the voxels of `edge`.
+  [[nodiscard]] Result<void> move(const VoxelEdge& edge, const Vec3f& found, Vec3f& position,
+                                  Vec3f& normal) const {
+    const double t = static_cast<double>(found[edge.axis]) - static_cast<double>(edge.low[edge.axis]);
+    bool is_on_edge = t >= -kRounding && t <= 1 + kRounding;
+    for (std::size_t a = 0; a < 3; ++a) {
+      is_on_edge = is_on_edge && (a == edge.axis || found[a] == static_cast<float>(edge.low[a]));
+    }
+    if (!is_on_edge) {
+      return fail(ErrorCode::kFailed, "VTK's isosurface has a vertex at ({}, {}, {}), off its voxel edge",
+                  found[0], found[1], found[2]);
+    }
+    const std::optional<double> low = field_.at(edge.low), high = field_.at(edge.high);
+    if (!low || !high || (*low >= 0) == (*high >= 0)) return {};
+    constexpr double kScale = kIsosurfaceScale;
+    const double rounded = std::clamp(std::round(t * kScale), 1.0, kScale - 1) / kScale;
+    position[edge.axis] = static_cast<float>(static_cast<double>(edge.low[edge.axis]) + rounded);
+    turn(position, normal);
+    return {};
+  }
+
+ private:
+  /// VTK's positions are single precision.
+  static constexpr double kRounding = 1e-2;
+
+  /// Keeps a normal whose sign the gradient contradicts.
+  void turn(const Vec3f& position, Vec3f& normal) const {
+    const Vec3 up = smooth_gradient(field_, {position[0], position[1], position[2]});
+    const double length = std::max({std::abs(up[0]), std::abs(up[1]), std::abs(up[2])});
+    if (!(length > 0) || !std::isfinite(length)) return;
+    Vec3f down;
+    for (std::size_t a = 0; a < 3; ++a) down[a] = static_cast<float>(-up[a] / length);
+    const Vec3f turned = lps_normals_.to_lps(down);
+    if (turned[0] * normal[0] + turned[1] * normal[1] + turned[2] * normal[2] > 0) normal = turned;
+  }
+
+  const LevelField<T>& field_;
+  VoxelNormals lps_normals_;
+};
+
 }  // namespace
 
 Result<EdgeTriangles> extract_with_vtk(const StructureCrop& crop) {
@@ -194,6 +341,28 @@ Result<bool> adopt_triangles(const EdgeTriangles& vtk, const StructureCrop& crop
   mesh.triangles = renumbered(vtk, vertex_of, grid);
   CellOrder(crop, mesh).sort(mesh.triangles);
   return false;
+}
+
+Result<void> move_to_isosurface(const VoxelBuffer& values, double level, const StructureCrop& crop,
+                                const Grid& grid, const EdgeTriangles& vtk, SurfaceMesh& mesh) {
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::uint32_t> vertex_of, match_vertices(vtk, crop, mesh));
+  return visit_voxel_type(values.type, [&]<typename T>(T) -> Result<void> {
+    const LevelField<T> field(values, level, grid);
+    SPLATLAS_ASSIGN_OR_RETURN(const EdgeTriangles zeros,
+                              extract_zeros_with_vtk(crop, signed_field(field, crop)));
+    if (zeros.triangles != vtk.triangles || zeros.positions_ijk.size() != vtk.positions_ijk.size()) {
+      return fail(ErrorCode::kFailed, "VTK's isosurface has {} triangles, that of its voxels {} others",
+                  zeros.triangles.size(), vtk.triangles.size());
+    }
+    const VertexMover<T> mover(field, grid);
+    for (std::size_t v = 0; v < vertex_of.size(); ++v) {
+      SPLATLAS_RETURN_IF_ERROR(mover.move(VoxelEdge(vtk.positions_ijk[v]), zeros.positions_ijk[v],
+                                          mesh.positions_ijk[vertex_of[v]], mesh.normals_lps[vertex_of[v]]));
+    }
+    mesh.position_scale = kIsosurfaceScale;
+    round_normals(mesh.normals_lps);
+    return {};
+  });
 }
 
 }  // namespace splatlas

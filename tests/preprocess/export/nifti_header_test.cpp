@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "preprocess/export/image_headers.h"
 #include "preprocess/export/write_image.h"
 #include "tests/preprocess/itk_volumes.h"
 #include "tests/preprocess/random_images.h"
