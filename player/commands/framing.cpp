@@ -1,5 +1,3 @@
-#include "player/commands/framing.h"
-
 #include <algorithm>
 #include <cstddef>
 #include <vector>
@@ -12,6 +10,7 @@
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
 #include "format/text/json_text.h"
+#include "player/commands/commands.h"
 #include "player/web/page_state.h"
 
 namespace splatlas {

@@ -49,12 +49,10 @@ class PageEngine {
   ///   1
   ///     for every fourth row, with a digit for every fourth column.
   ///   - slice {axis, index}: see PageSlices::slice().
-  ///   - labels {glyphs: {letter: width in em}, dpi, background: "#rrggbb", labels: [name, ...]}: names on
-  ///   the latest
-  ///     picture, as on a printed page (annotate_picture()); without labels, of what is not a ghost. {lines:
-  ///     [[x0, y0, x1, y1, width, color, casing, casing color], ...], dots: [[x, y, radius, color, casing,
-  ///     casing color],
-  ///     ...], texts: [[text, x, baseline, size, color], ...]}, in pixels.
+  ///   - labels {glyphs: {letter: width in em}, dpi, background: "#rrggbb", labels: [name, ...]}: names for
+  ///     the latest picture, as on a printed page (annotate_picture()); without labels, of what is no ghost.
+  ///     {lines: [[x0, y0, x1, y1, width, color, casing, casing color], ...], dots: [[x, y, radius, color,
+  ///     casing, casing color], ...], texts: [[text, x, baseline, size, color], ...]}, in pixels.
   [[nodiscard]] PageAnswer call(std::string_view request, std::vector<std::byte> bytes = {},
                                 const RenderControl& control = {});
 
