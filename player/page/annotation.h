@@ -51,7 +51,6 @@ struct PageBox {
 }
 
 enum class FontStyle : std::uint8_t { kRegular, kBold, kItalic };
-inline constexpr int kFontStyles = 3;
 
 /// Width in pixels of one line of UTF-8 text at a font size in pixels per em.
 using MeasureText = std::function<double(std::string_view text, double size, FontStyle style)>;

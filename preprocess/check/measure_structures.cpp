@@ -81,7 +81,6 @@ void add_part(SmallParts& parts, const StructureComponent& part) {
 /// Counts pieces, and the holes that one structure encloses.
 void measure_parts(const MembershipVolume& memberships, std::vector<StructureMeasures>& structures) {
   constexpr std::uint64_t kSmall = 100, kShare = 20;  // voxels; of the largest piece
-  std::vector<StructureComponent> holes;
   std::vector<const StructureComponent*> largest(structures.size() + 1);
   const std::vector<StructureComponent> components = list_components(memberships, structures.size() + 1);
   for (const StructureComponent& component : components) {
