@@ -152,17 +152,10 @@ class Model {
     return scene === null || edits.length > 0 || base.trim() !== this.info.scenes[scene].select.trim();
   }
 
-  /** Goes one step back. @returns {?object} the camera of that state if the step was a move or to another scene */
-  undo(camera) {
-    return this.#step(this.#undo, this.#redo, camera);
-  }
-
-  /** Takes an undo() back. */
-  redo(camera) {
-    return this.#step(this.#redo, this.#undo, camera);
-  }
-
-  #step(from, to, camera) {
+  /** Goes one step back ('undo') or forth ('redo').
+   * @returns {?object} the camera of that state if the step was a move or to another scene */
+  step(direction, camera) {
+    const [from, to] = direction === 'undo' ? [this.#undo, this.#redo] : [this.#redo, this.#undo];
     const step = from.pop();
     if (!step) return null;
     const moves = step.moves || step.state.scene !== this.state.scene;

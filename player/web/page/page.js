@@ -455,7 +455,7 @@ class Page {
   /** Goes one step back or forth: 'undo' or 'redo'. */
   #undo(direction) {
     this.#going = this.#motion = null;
-    const camera = this.#model[direction](this.#stage.camera);
+    const camera = this.#model.step(direction, this.#stage.camera);
     if (camera) this.#stage.camera = camera;
     this.#name(null);
     this.#changed();

@@ -52,19 +52,15 @@ async function start({server, module, atlas, size: bytes}) {
 /** Gets ready once the atlas is open. */
 function startDrawing() {
   try {
-    open();
+    const isOpen = size === null || opening.openRemote(size);
+    if (!isOpen && want(opening)) return;
+    if (!isOpen) throw new Error('the atlas cannot be opened');
+    [splatlas, opening] = [opening, null];
+    self.postMessage({type: 'ready', info: splatlas.info()});
+    wake();
   } catch (error) {
     fail(error, 0, true);
   }
-}
-
-function open() {
-  const isOpen = size === null || opening.openRemote(size);
-  if (!isOpen && want(opening)) return;
-  if (!isOpen) throw new Error('the atlas cannot be opened');
-  [splatlas, opening] = [opening, null];
-  self.postMessage({type: 'ready', info: splatlas.info()});
-  wake();
 }
 
 /** Asks the page for the pieces that the latest calls have missed. @returns {boolean} false if there are none */
