@@ -62,7 +62,7 @@ class Lighter {
       light.normal = packed(mixed);
       return light;
     }
-    const double grey = value_of(content_.values, number(voxel));
+    const double value = value_of(content_.values, number(voxel)), grey = std::isfinite(value) ? value : 0;
     const double reach = 3 * voxel_side_mm(grid_) * std::sqrt(gradient.squared_length);
     const TransferCurve curve =
         transfer_curve(selection_.structures[draw_of_[c]->volume_of], content_.display);
