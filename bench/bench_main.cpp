@@ -14,7 +14,6 @@
 #include "bench/bench.h"
 #include "format/io/memory_limit.h"
 #include "format/io/output_file.h"
-#include "format/program/exit_status.h"
 #include "format/program/standard_output.h"
 #include "format/result_macros.h"
 

@@ -15,7 +15,7 @@
 #include "bench/scenes/paper_tables.h"
 #include "format/result_macros.h"
 #include "player/renderer.h"
-#include "player/web/info_json.h"
+#include "player/web/page_json.h"
 
 namespace splatlas {
 namespace {

@@ -16,7 +16,7 @@
 #include "format/result_macros.h"
 #include "player/render/simd/simd_choice.h"
 #include "player/renderer.h"
-#include "player/web/page_state.h"
+#include "player/web/page_json.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 

@@ -3,7 +3,10 @@
 #include <cerrno>
 #include <cstring>
 #include <exception>
+#include <new>
+#include <string>
 
+#include "format/io/memory_limit.h"
 #include "format/result_macros.h"
 
 namespace splatlas {
@@ -43,6 +46,30 @@ void print_error(const char* program, std::string_view message) noexcept {
     std::fputs(program, stderr);
     std::fputs(": out of memory\n", stderr);
   }
+}
+
+Result<void> run_on_file(const std::filesystem::path& file, const char* remedy,
+                         const std::function<Result<void>()>& run) {
+  try {
+    return run();
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kLimit, "{}: out of memory; {}", file.string(), remedy);
+  } catch (const std::exception& exception) {
+    return fail(ErrorCode::kFailed, "{}: {}", file.string(), exception.what());
+  }
+}
+
+int run_main(const char* name, const std::function<Result<void>()>& run) try {
+  const Result<void> result = run();
+  if (result) return 0;
+  print_error(name, result.error().message);
+  return exit_status(result.error().code);
+} catch (const std::bad_alloc&) {
+  print_error(name, std::string("out of memory; ") + kOutOfMemoryRemedy);
+  return 1;
+} catch (const std::exception& exception) {
+  print_error(name, exception.what());
+  return 1;
 }
 
 }  // namespace splatlas

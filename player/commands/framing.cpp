@@ -11,7 +11,7 @@
 #include "format/text/ascii_text.h"
 #include "format/text/json_text.h"
 #include "player/commands/commands.h"
-#include "player/web/page_state.h"
+#include "player/web/page_json.h"
 
 namespace splatlas {
 

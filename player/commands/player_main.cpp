@@ -14,14 +14,13 @@
 
 #include "format/io/output_file.h"
 #include "format/program/command_options.h"
-#include "format/program/exit_status.h"
 #include "format/program/standard_output.h"
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
 #include "format/text/printable_text.h"
 #include "player/commands/commands.h"
 #include "player/render/simd/simd_choice.h"
-#include "player/web/info_json.h"
+#include "player/web/page_json.h"
 
 namespace splatlas {
 namespace {

@@ -16,8 +16,7 @@
 #include "format/text/json_text.h"
 #include "player/camera_moves.h"
 #include "player/page/annotate_picture.h"
-#include "player/web/info_json.h"
-#include "player/web/page_state.h"
+#include "player/web/page_json.h"
 #include "player/web/render_warnings.h"
 
 namespace splatlas {

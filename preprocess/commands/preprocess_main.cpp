@@ -12,7 +12,6 @@
 #include "format/io/memory_limit.h"
 #include "format/io/output_file.h"
 #include "format/program/command_options.h"
-#include "format/program/exit_status.h"
 #include "format/program/standard_output.h"
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"

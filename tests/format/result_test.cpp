@@ -4,20 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include "format/program/exit_status.h"
 #include "format/result_macros.h"
 #include "tests/support/fails_with.h"
 
 namespace splatlas {
 namespace {
-
-TEST(Result, ExitStatusesAreThoseOfTheManual) {
-  EXPECT_EQ(exit_status(ErrorCode::kFailed), 1);
-  EXPECT_EQ(exit_status(ErrorCode::kUsage), 2);
-  EXPECT_EQ(exit_status(ErrorCode::kInvalidAtlas), 3);
-  EXPECT_EQ(exit_status(ErrorCode::kNotFound), 4);
-  EXPECT_EQ(exit_status(ErrorCode::kLimit), 1);
-}
 
 Result<std::unique_ptr<int>> make(bool works) {
   if (!works) return fail(ErrorCode::kLimit, "too much");

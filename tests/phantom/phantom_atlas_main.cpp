@@ -8,7 +8,7 @@
 
 #include "format/atlas_writer.h"
 #include "format/program/command_options.h"
-#include "format/program/exit_status.h"
+#include "format/program/standard_output.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/support/phantom_content.h"
 

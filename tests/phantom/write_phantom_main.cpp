@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <string>
 
-#include "format/program/exit_status.h"
+#include "format/program/standard_output.h"
 #include "tests/phantom/phantom_files.h"
 
 namespace {

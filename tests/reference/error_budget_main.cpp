@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <string>
 
-#include "format/program/exit_status.h"
 #include "format/program/standard_output.h"
 #include "player/render/view/shear.h"
 #include "tests/reference/picture_difference.h"

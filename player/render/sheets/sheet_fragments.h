@@ -9,8 +9,8 @@
 #include "format/tasks/thread_pool.h"
 #include "player/render/clip/cut_rays.h"
 #include "player/render/sheets/band_image.h"
-#include "player/render/sheets/sheet_sample.h"
 #include "player/render/sheets/slabs.h"
+#include "player/render/surfaces/fragments.h"
 #include "player/render/view/shear.h"
 
 namespace splatlas {

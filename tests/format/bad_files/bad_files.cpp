@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "format/atlas_reader.h"
-#include "format/program/exit_status.h"
+#include "format/program/standard_output.h"
 
 namespace splatlas {
 namespace {

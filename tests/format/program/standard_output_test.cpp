@@ -2,18 +2,28 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <new>
+#include <stdexcept>
 #include <string>
 
 #include <fcntl.h>
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <unistd.h>
 
+#include "tests/support/fails_with.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
+
+using testing::internal::CaptureStderr;
+using testing::internal::GetCapturedStderr;
+
+Result<void> out_of_memory() {
+  throw std::bad_alloc();
+}
 
 /// Redirects standard output during its lifetime. Expectations would print into it.
 class StandardOutputTo {
@@ -73,6 +83,29 @@ TEST_F(StandardOutputTest, AFullDiskIsTold) {
     // An earlier loss counts even with space available again.
     EXPECT_EQ(message_of(finished), "standard output: cannot be written: an earlier write failed");
   }
+}
+
+TEST(ExitStatus, ExceptionsOfWorkOnAFileNameTheFile) {
+  EXPECT_TRUE(run_on_file("a.atlas", "select less", [] { return Result<void>(); }));
+  EXPECT_THAT(run_on_file("a.atlas", "select less", out_of_memory),
+              FailsWith(ErrorCode::kLimit, "a.atlas: out of memory; select less"));
+  EXPECT_THAT(run_on_file("a.atlas", "", []() -> Result<void> { throw std::runtime_error("it broke"); }),
+              FailsWith(ErrorCode::kFailed, "a.atlas: it broke"));
+  EXPECT_THAT(run_on_file("a.atlas", "", []() -> Result<void> { return fail(ErrorCode::kUsage, "--x"); }),
+              FailsWith(ErrorCode::kUsage, "--x"));
+}
+
+TEST(ExitStatus, ProgramsPrintOneSafeLine) {
+  CaptureStderr();
+  const int failed =
+      run_main("tool", []() -> Result<void> { return fail(ErrorCode::kNotFound, "a\nb\x1b"); });
+  const int thrown = run_main("tool", []() -> Result<void> { throw std::runtime_error("c\nd\xe2\x80\x8f"); });
+  const int exhausted = run_main("tool", out_of_memory);
+  EXPECT_EQ(GetCapturedStderr(),
+            "tool: a?b?\ntool: c?d?\ntool: out of memory; free memory, or raise the program's limit\n");
+  EXPECT_EQ(failed, 4);
+  EXPECT_EQ(thrown, 1);
+  EXPECT_EQ(exhausted, 1);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@
 
 #include "format/atlas_writer.h"
 #include "player/web/page_engine.h"
-#include "player/web/page_state.h"
+#include "player/web/page_json.h"
 #include "tests/fuzz/mutators.h"
 #include "tests/support/phantom_content.h"
 #include "tests/support/random_scene.h"

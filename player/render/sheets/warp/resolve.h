@@ -6,9 +6,9 @@
 #include "format/tasks/thread_pool.h"
 #include "player/picture.h"
 #include "player/render/clip/face_layer.h"
-#include "player/render/sheets/sheet_sample.h"
 #include "player/render/sheets/warp/sheet_image.h"
 #include "player/render/sheets/warp/warp_kernels.h"
+#include "player/render/surfaces/fragments.h"
 #include "player/render/view/pixel_box.h"
 #include "player/render/view/shear.h"
 

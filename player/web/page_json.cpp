@@ -1,7 +1,14 @@
-#include "player/web/info_json.h"
+#include "player/web/page_json.h"
 
-#include <nlohmann/json.hpp>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <utility>
 
+#include "format/result_macros.h"
 #include "format/text/json_text.h"
 #include "player/camera.h"
 #include "player/camera_moves.h"
@@ -45,6 +52,66 @@ Json views_json() {
   for (const ViewAngles& view : kViewAngles)
     json.push_back({{"name", view.name}, {"azimuth", view.azimuth_deg}, {"elevation", view.elevation_deg}});
   return json;
+}
+
+template <typename T>
+T value_at(const Json& json, const char* key, T otherwise) {
+  const auto found = json.find(key);
+  return found == json.end() || found->is_null() ? otherwise : found->get<T>();
+}
+
+std::optional<Vec3> point_at(const Json& json, const char* key) {
+  const auto found = json.find(key);
+  return found == json.end() || found->is_null() ? std::nullopt : std::optional(found->get<Vec3>());
+}
+
+/// The position of a name in a list.
+template <typename Enum, std::size_t kCount>
+Result<Enum> enum_at(const Json& json, const char* key, const std::array<const char*, kCount>& names,
+                     Enum otherwise) {
+  const auto name = value_at<std::string>(json, key, names[static_cast<std::size_t>(otherwise)]);
+  const auto found = std::ranges::find(names, std::string_view(name));
+  if (found == names.end()) return fail(ErrorCode::kUsage, "{}: {}: no such value", key, name);
+  return static_cast<Enum>(found - names.begin());
+}
+
+constexpr std::array kQualities{"draft", "normal", "high"};
+constexpr std::array kCaps{"values", "labels", "both", "none"};
+constexpr std::array kProjections{"parallel", "perspective"};
+
+Result<PictureSize> size_of(const Json& json) {
+  PictureSize size;
+  const Json& sides = json.at("size");
+  for (const auto& [side, n] : {std::pair{&size.width, 0}, {&size.height, 1}}) {
+    const double pixels = sides.at(static_cast<std::size_t>(n)).get<double>();
+    if (!(pixels >= 1 && pixels <= kMaxPictureSide && pixels == std::floor(pixels)))
+      return fail(ErrorCode::kUsage, "size: {}: must be an integer from 1 to {}", pixels, kMaxPictureSide);
+    *side = static_cast<int>(pixels);
+  }
+  return size;
+}
+
+Result<PageFit> fit_of(const Json& json) {
+  constexpr double kMostStructures = 1e9;
+  PageFit fit{
+      .structure = static_cast<int>(std::clamp(value_at(json, "structure", -1.0), -1.0, kMostStructures)),
+      .zoom = value_at(json, "zoom", 1.0),
+      .center_lps_mm = point_at(json, "center")};
+  if (json.contains("size")) {
+    SPLATLAS_ASSIGN_OR_RETURN(fit.size, size_of(json));
+  }
+  return fit;
+}
+
+Result<Camera> camera_of(const Json& json) {
+  Camera camera;
+  camera.azimuth_deg = value_at(json, "azimuth", camera.azimuth_deg);
+  camera.elevation_deg = value_at(json, "elevation", camera.elevation_deg);
+  camera.zoom = value_at(json, "zoom", camera.zoom);
+  camera.center_lps_mm = point_at(json, "center");
+  camera.field_of_view_deg = value_at(json, "fieldOfView", camera.field_of_view_deg);
+  SPLATLAS_ASSIGN_OR_RETURN(camera.projection, enum_at(json, "projection", kProjections, camera.projection));
+  return camera;
 }
 
 }  // namespace
@@ -98,6 +165,34 @@ std::string info_json(const Atlas& atlas) {
   for (const Source& source : provenance.sources)
     json["provenance"]["sources"].push_back({{"role", source.role}, {"hash", source.hash}});
   return json_text(json);
+}
+
+Result<PageState> page_state_of(const Json& json) {
+  PageState state;
+  RenderOptions& options = state.options;
+  SPLATLAS_ASSIGN_OR_RETURN(options.size, size_of(json));
+  SPLATLAS_ASSIGN_OR_RETURN(options.quality, enum_at(json, "quality", kQualities, options.quality));
+  SPLATLAS_ASSIGN_OR_RETURN(options.caps, enum_at(json, "caps", kCaps, options.caps));
+  options.depth_cue = value_at(json, "depthCue", false) ? DepthCue::kEdges : DepthCue::kNone;
+  options.hybrid_shading = value_at(json, "shading", true);
+  options.draft_budget_ms = value_at(json, "draftBudget", 0.0);
+  for (const Json& cut : value_at(json, "cuts", Json::array()))
+    SPLATLAS_RETURN_IF_ERROR(
+        options.cuts.add({cut.at("normal").get<Vec3>(), cut.at("offset").get<double>()}));
+  const Json camera = value_at(json, "camera", Json::object());
+  SPLATLAS_ASSIGN_OR_RETURN(state.camera, camera_of(camera));
+  if (const auto fit = camera.find("fit"); fit != camera.end()) {
+    SPLATLAS_ASSIGN_OR_RETURN(state.fit, fit_of(*fit));
+  }
+  return state;
+}
+
+Json json_of(const Camera& camera) {
+  Json json{{"azimuth", camera.azimuth_deg}, {"elevation", camera.elevation_deg}, {"zoom", camera.zoom}};
+  if (camera.center_lps_mm) json["center"] = *camera.center_lps_mm;
+  json["projection"] = kProjections[static_cast<std::size_t>(camera.projection)];
+  json["fieldOfView"] = camera.field_of_view_deg;
+  return json;
 }
 
 }  // namespace splatlas

@@ -1,15 +1,26 @@
-// State of a page to draw, as JSON.
+// Contents of an atlas, and states of a page to draw, as JSON.
 #pragma once
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "format/atlas_reader.h"
+#include "format/content/decision_tree.h"
 #include "format/result.h"
 #include "player/camera.h"
 #include "player/render_options.h"
 
 namespace splatlas {
+
+/// JSON document, safe to print, with grid, structures in the order of their indices, counts, sizes, named
+/// views and scenes. Cost: that of subtree_counts(). Thread-safe.
+[[nodiscard]] std::string info_json(const Atlas& atlas);
+
+/// [structure]: voxels and triangles of it and its descendants.
+[[nodiscard]] std::vector<SubtreeCounts> counts_of(const Atlas& atlas);
 
 /// How a page frames a selection.
 struct PageFit {
