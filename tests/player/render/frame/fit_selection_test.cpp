@@ -23,7 +23,7 @@ constexpr double kMargin = 0.02;  // of the picture's sides
 
 /// Calls use(index) for every voxel that a plan draws.
 template <typename Use>
-void for_each_voxel(const Atlas& atlas, const DrawPlan& plan, const Use& use) {
+void for_each_drawn_voxel(const Atlas& atlas, const DrawPlan& plan, const Use& use) {
   const auto rows = static_cast<std::uint64_t>(atlas.grid().size[1]);
   for (const ClassDraw& draw : plan.classes) {
     if (!draws_volume(draw.role)) continue;
@@ -41,7 +41,7 @@ std::vector<Vec3> corners_lps(const Atlas& atlas, const Selection& selection) {
   const DrawPlan plan = atlas.tree().plan(selection);
   const Affine to_lps = index_to_lps_mm(atlas.grid());
   std::vector<Vec3> corners;
-  for_each_voxel(atlas, plan, [&](const Vec3& voxel) {
+  for_each_drawn_voxel(atlas, plan, [&](const Vec3& voxel) {
     for (unsigned corner = 0; corner < 8; ++corner) {
       Vec3 index = voxel;
       for (std::size_t a = 0; a < 3; ++a) index[a] += (corner >> a & 1u) != 0 ? 1 : -1;
@@ -155,7 +155,7 @@ std::vector<Vec3> kept_points_lps(const Atlas& atlas, const Selection& selection
     const auto keeps = [&](const CutPlane& cut) { return dot(cut.normal_lps, p) <= cut.offset_mm; };
     if (std::ranges::all_of(cuts, keeps)) points.push_back(p);
   };
-  for_each_voxel(atlas, plan, [&](const Vec3& voxel) {
+  for_each_drawn_voxel(atlas, plan, [&](const Vec3& voxel) {
     for (int n = 0; n < kSteps * kSteps * kSteps; ++n) {
       const auto step = [](int of) { return 2.0 * of / (kSteps - 1) - 1; };
       add({voxel[0] + step(n % kSteps), voxel[1] + step(n / kSteps % kSteps),
