@@ -10,6 +10,8 @@ namespace {
 
 /// Parallel tasks per frame; the result is independent of their number.
 constexpr std::size_t kChunks = 32;
+/// Bands with fewer fragments are sorted without a table of the slabs.
+constexpr std::size_t kMaxSlabsPerFragment = 64;
 
 /// `map`: from the picture to sheet pixels.
 SheetSample place_of(double x, double y, const Affine2& map, const SheetWindow& window, std::int64_t planes,
@@ -122,27 +124,31 @@ void BandFragments::begin(SheetFragments& fragments, std::size_t band, const Sla
   color_ = color;
   next_ = 0;
 
-  // Sort the fragments by slab, by counting
+  // Sort the fragments by slab, by counting unless slabs are many
   const auto of_band = std::span(fragments.entries_)
                            .subspan(fragments.first_of_band_[band],
                                     fragments.first_of_band_[band + 1] - fragments.first_of_band_[band]);
-  begin_of_slab_.assign(static_cast<std::size_t>(slabs.count()) + 2, 0);
+  entries_.assign(of_band.begin(), of_band.end());
+  if (static_cast<std::size_t>(slabs.count()) / kMaxSlabsPerFragment > of_band.size()) {
+    std::ranges::stable_sort(entries_, {}, &SheetFragments::Entry::slab);
+    return;
+  }
+  next_of_slab_.assign(static_cast<std::size_t>(slabs.count()) + 1, 0);
   for (const SheetFragments::Entry& entry : of_band)
-    ++begin_of_slab_[static_cast<std::size_t>(entry.slab) + 2];
-  for (std::size_t n = 2; n < begin_of_slab_.size(); ++n) begin_of_slab_[n] += begin_of_slab_[n - 1];
-  entries_.resize(of_band.size());
+    ++next_of_slab_[static_cast<std::size_t>(entry.slab) + 1];
+  for (std::size_t n = 1; n < next_of_slab_.size(); ++n) next_of_slab_[n] += next_of_slab_[n - 1];
   for (const SheetFragments::Entry& entry : of_band)
-    entries_[begin_of_slab_[static_cast<std::size_t>(entry.slab) + 1]++] = entry;
+    entries_[next_of_slab_[static_cast<std::size_t>(entry.slab)]++] = entry;
 }
 
 void BandFragments::before_slab(std::int32_t slab) {
   // Nothing is splatted between the last slab and the fragments in front of this one
-  for (; next_ < begin_of_slab_[static_cast<std::size_t>(slab)]; ++next_) {
+  for (; next_ < entries_.size() && entries_[next_].slab < slab; ++next_) {
     SheetSample& sample = all_->samples_[entries_[next_].sample];
     sample.add(all_->list_->fragments[entries_[next_].fragment], radiance_at(sample));
   }
   in_front_.clear();
-  for (std::size_t n = next_; n < begin_of_slab_[static_cast<std::size_t>(slab) + 1]; ++n) {
+  for (std::size_t n = next_; n < entries_.size() && entries_[n].slab == slab; ++n) {
     __builtin_prefetch(&all_->list_->fragments[entries_[n].fragment]);  // for behind_slab()
     in_front_.push_back(radiance_at(all_->samples_[entries_[n].sample]));
   }

@@ -81,7 +81,7 @@ class BandFragments {
   std::int64_t planes_ = 4, plane_stride_ = 0, row_stride_ = 0;
   std::array<float, 3> color_{};
   std::vector<SheetFragments::Entry> entries_;  // by slab
-  std::vector<std::size_t> begin_of_slab_;      // two more than slabs
+  std::vector<std::size_t> next_of_slab_;       // while they are sorted
   std::size_t next_ = 0;                        // entry
   std::vector<Radiance> in_front_;              // of the slab, of the next entries
 };
