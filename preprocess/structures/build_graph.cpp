@@ -48,9 +48,10 @@ class GraphParts {
     return index;
   }
 
-  StructureIndex add_group(const std::string& name) {
+  /// Its id begins with the name of the group of its label map, `map`.
+  StructureIndex add_group(const std::string& name, StructureIndex map = kNoStructure) {
     Structure group;
-    group.id = ids_.claim(name);
+    group.id = ids_.claim(map == kNoStructure ? name : structures_[map].name + " " + name);
     group.name = name;
     group.color = default_color(structures_.size());
     structures_.push_back(std::move(group));
@@ -61,6 +62,17 @@ class GraphParts {
     std::vector<StructureIndex>& parents = structures_[child].parents;
     if (parent == kNoStructure || std::find(parents.begin(), parents.end(), parent) != parents.end()) return;
     parents.push_back(parent);
+  }
+
+  [[nodiscard]] bool has_parent(StructureIndex structure) const {
+    return !structures_[structure].parents.empty();
+  }
+
+  /// A side is below its whole, and has its label and colour.
+  void add_side(StructureIndex side, StructureIndex whole) {
+    add_parent(side, whole);
+    structures_[side].label = structures_[whole].label;
+    structures_[side].color = structures_[whole].color;
   }
 
   void set_color(StructureIndex structure, Rgb color) { structures_[structure].color = color; }
@@ -108,7 +120,8 @@ class NodePlacer {
     return fits;
   }
 
-  void place(GraphParts& parts) {
+  /// Roots go below `group`, if there is one.
+  void place(GraphParts& parts, StructureIndex group) {
     std::vector<StructureIndex> index_of_node(nodes_.size(), kNoStructure);
     for (std::size_t n = 0; n < nodes_.size(); ++n) {
       const TreeLine& line = lines_[n];
@@ -117,7 +130,8 @@ class NodePlacer {
         continue;
       }
       const bool is_group = nodes_[n].source == kNoStructure;
-      index_of_node[n] = is_group ? parts.add_group(line.node->name) : parts.place_source(nodes_[n].source);
+      index_of_node[n] =
+          is_group ? parts.add_group(line.node->name, group) : parts.place_source(nodes_[n].source);
       const bool has_color = !is_group && sources_.has_color(nodes_[n].source);
       if (line.color && !has_color) parts.set_color(index_of_node[n], line.color->first);
     }
@@ -127,6 +141,7 @@ class NodePlacer {
         if (index_of_node[parent] != index_of_node[n])
           parts.add_parent(index_of_node[n], index_of_node[parent]);
       }
+      if (!parts.has_parent(index_of_node[n])) parts.add_parent(index_of_node[n], group);
     }
   }
 
@@ -213,12 +228,12 @@ class NodePlacer {
   std::unordered_set<StructureIndex> taken_;
 };
 
-/// Places structures by the nodes with their labels, or else their names. Nodes without a structure are
-/// groups if a structure is below them; otherwise they are left out and counted as a note, as are parents
-/// that do not exist and edges that close a circle. kFailed if no node fits. Linear in nodes and parents.
+/// Places structures by the nodes with their labels, or else their names, below `group`. Nodes without a
+/// structure are groups if a structure is below them; otherwise they are left out and counted as a note, as
+/// are parents that do not exist and edges that close a circle. kFailed if no node fits. Linear in nodes and
+/// parents.
 Result<void> place_nodes(std::span<const TreeLine> lines, const std::string& file,
-                         const SourceLookup& sources, GraphParts& parts, Notes& notes) {
-  if (lines.empty()) return {};
+                         const SourceLookup& sources, StructureIndex group, GraphParts& parts, Notes& notes) {
   NodePlacer placer(lines, sources, notes);
   if (!placer.resolve()) {
     return bad_file(
@@ -227,7 +242,7 @@ Result<void> place_nodes(std::span<const TreeLine> lines, const std::string& fil
         "belongs to these labels",
         lines.size(), in_quotes(lines.front().node->name));
   }
-  placer.place(parts);
+  placer.place(parts, group);
   return {};
 }
 
@@ -246,6 +261,9 @@ class PathPlacer {
  public:
   PathPlacer(const SourceLookup& sources, GraphParts& parts, Notes& notes)
       : sources_(sources), parts_(parts), notes_(notes) {}
+
+  /// The root group of this name.
+  StructureIndex root(const std::string& name) { return place_group(child_of(kNoGroup, name, true)); }
 
   /// Places all lines. Lines that fit no structure are counted as notes. kFailed, with the line, for
   /// malformed lists of codes, and if lines name members and none fits. Messages call the tree file `file`.
@@ -364,7 +382,7 @@ Result<StructureGraph> graph_of_sources(std::span<const SourceStructure> sources
   std::vector<Structure> structures;
   for (const SourceStructure& source : sources) {
     Structure structure;
-    structure.id = ids.claim(source.name);
+    structure.id = ids.claim(source.group.empty() ? source.name : source.group + " " + source.name);
     structure.name = source.name;
     structure.color = source.color.value_or(default_color(structures.size()));
     structure.label = source.label;
@@ -387,8 +405,27 @@ Result<PlacedStructures> build_graph(std::span<const SourceStructure> sources,
   std::vector<TreeLine> nodes;
   for (const TreeLine& line : lines) (line.node ? nodes : paths).push_back(line);
   PathPlacer path_placer(lookup, parts, notes);
+  std::vector<std::string> groups;  // of label maps; "" for none
+  for (const SourceStructure& source : sources) {
+    if (std::ranges::find(groups, source.group) == groups.end()) groups.push_back(source.group);
+  }
+  const auto root = [&](const std::string& group) {
+    return group.empty() ? kNoStructure : path_placer.root(group);
+  };
+  for (const std::string& group : groups) root(group);
   SPLATLAS_RETURN_IF_ERROR(path_placer.place(paths, file));
-  SPLATLAS_RETURN_IF_ERROR(place_nodes(nodes, file, lookup, parts, notes));
+  for (const std::string& group : groups) {
+    if (nodes.empty() || (group.empty() && groups.size() > 1)) continue;  // beside label maps
+    const SourceLookup of_group(sources, lookup.flat(), &group);
+    SPLATLAS_RETURN_IF_ERROR(place_nodes(nodes, file, of_group, root(group), parts, notes));
+  }
+  for (StructureIndex n = 0; n < sources.size(); ++n) {
+    const StructureIndex index = parts.place_source(n);
+    if (sources[n].whole) {
+      parts.add_side(index, parts.place_source(*sources[n].whole));
+    } else if (nodes.empty() || !parts.has_parent(index))
+      parts.add_parent(index, root(sources[n].group));
+  }
   auto [structures, index_of_source] = parts.finish();
   Result<StructureGraph> graph = StructureGraph::build(std::move(structures));
   if (!graph) return bad_file(file, "{}", graph.error().message);

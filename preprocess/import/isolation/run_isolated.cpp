@@ -24,6 +24,7 @@
 
 #include "format/io/memory_limit.h"
 #include "preprocess/import/import_error.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {
@@ -202,17 +203,11 @@ Result<void> check_end(int status, Overrun overrun, const ChildLimits& limits, c
 }  // namespace
 
 ChildLimits limits_for(const fs::path& path) {
-  std::error_code error;
   std::uint64_t bytes = 0;
-  if (fs::is_directory(path, error)) {
-    for (fs::recursive_directory_iterator entry(path, error), end; !error && entry != end;
-         entry.increment(error)) {
-      std::error_code unreadable;
-      const auto size = entry->file_size(unreadable);
-      if (!unreadable) bytes += size;
-    }
-  } else if (const auto size = fs::file_size(path, error); !error) {
-    bytes = size;
+  for (const fs::path& file : regular_files_of(path)) {
+    std::error_code unreadable;
+    const auto size = fs::file_size(file, unreadable);
+    if (!unreadable) bytes += size;
   }
   constexpr std::uint64_t kFloor = std::uint64_t{512} << 20,
                           kPerByte = 3300;  // three copies, deflated 1100 times

@@ -33,15 +33,15 @@ struct ImportedLabels {
   std::vector<SourceStructure> structures;
   std::vector<std::filesystem::path> files;   ///< the files read, in a fixed order
   std::vector<ResampledStructure> resampled;  ///< import_sources() notes them, under their final names
-  std::string doubt;  ///< why they look like grey values; names for all of them overrule it
+  std::string doubt;  ///< which file looks like grey values, and why; names for all labels overrule it
   Notes notes;
 };
 
 /// Every value above 0 is a structure: named by the file's segments, else "Label 7". `name` stands for the
 /// file in messages. Values within 1e-3 of a whole number are rounded, with `as_labels` all of them, and NaN
-/// is background, each with a note. Doubts grey values: at least 64 values of which neighbours mostly differ.
-/// kFailed, with the value, for labels that are negative, fractional, or 2^32 and above, and for several
-/// layers.
+/// and infinity are background, each with a note. Doubts grey values: at least 64 values of which neighbours
+/// mostly differ. kFailed, with the value, for labels that are negative, fractional, or 2^32 and above, and
+/// for several layers.
 [[nodiscard]] Result<ImportedLabels> read_label_map(SourceImage image, const std::string& name,
                                                     bool as_labels = false);
 

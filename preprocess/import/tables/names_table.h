@@ -30,7 +30,9 @@ struct SourceStructure {
   std::optional<std::int64_t> code;  ///< of the region, such as AAL's third column
   std::optional<Rgb> color;
   bool external = false;
-  std::vector<Term> terms;  ///< in the order of the source
+  std::vector<Term> terms;                   ///< in the order of the source
+  std::string group;                         ///< of its label map: a root that it is below; empty for none
+  std::optional<StructureIndex> whole = {};  ///< source number of the structure that it is a side of
 };
 
 /// Colours interpolated linearly over the structures of a line; both are equal for a single colour.

@@ -40,7 +40,8 @@ std::string_view without_plus(std::string_view text) {
   return text.starts_with('+') ? text.substr(1) : text;
 }
 
-/// The file itself, or the regular files of a folder in the order of their paths.
+}  // namespace
+
 std::vector<std::filesystem::path> regular_files_of(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_directory(path, error)) return {path};
@@ -52,8 +53,6 @@ std::vector<std::filesystem::path> regular_files_of(const std::filesystem::path&
   std::ranges::sort(files);
   return files;
 }
-
-}  // namespace
 
 std::vector<std::filesystem::path> visible_files(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;

@@ -23,6 +23,7 @@
 #include "preprocess/import/images/pixels/read_deflated.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/isolation/run_isolated.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {
@@ -204,10 +205,8 @@ bool comes_before(const std::string& a, const std::string& b) {
 std::vector<fs::path> list_pictures(const fs::path& path) {
   std::error_code error;
   if (!fs::is_directory(path, error)) return {path};
-  std::vector<fs::path> files;
-  for (fs::directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error)) {
-    if (is_picture(entry->path())) files.push_back(entry->path());
-  }
+  std::vector<fs::path> files = visible_files(path);
+  std::erase_if(files, [](const fs::path& file) { return !is_picture(file); });
   std::ranges::sort(files, [](const fs::path& a, const fs::path& b) {
     return comes_before(a.filename().string(), b.filename().string());
   });

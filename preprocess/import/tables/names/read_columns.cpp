@@ -30,13 +30,10 @@ bool recognise_csv(std::string_view head) {
   const Table table = parse_table(lines.front().text, *separator);
   if (is_row(table.columns)) return *separator != '\t';  // else a list of labels and names
   if (parse_integer(split_blanks(lines.front().text).front())) return false;  // "7 lobe, label"
-  const auto has = [](const std::vector<Column>& columns, ColumnRole role) {
-    return find_column(columns, role) != std::string::npos;
-  };
   const std::vector<Column> by_name = columns_of(table), columns = columns_of(parse_table(head, *separator));
-  return has(by_name, ColumnRole::kLabel) || has(by_name, ColumnRole::kKey) ||
-         has(by_name, ColumnRole::kName) ||
-         (has(columns, ColumnRole::kLabel) && has(columns, ColumnRole::kName));
+  return has_column(by_name, ColumnRole::kLabel) || has_column(by_name, ColumnRole::kKey) ||
+         has_column(by_name, ColumnRole::kName) ||
+         (has_column(columns, ColumnRole::kLabel) && has_column(columns, ColumnRole::kName));
 }
 
 Result<void> read_csv(const NamesInput& input, NamesCollector& into) {

@@ -339,20 +339,12 @@ Result<void> read_niivue(const NamesInput& input, NamesCollector& into) {
   }
   const bool has_values = map.contains("I") && map["I"].is_array() && !map["I"].empty();
   const std::size_t count = has_values ? map["I"].size() : labels->size();
-  std::vector<std::string> colors;
-  for (std::size_t n = 0; n < count; ++n)
-    colors.push_back(
-        fmt::format("{},{},{}", value_at(map, "R", n), value_at(map, "G", n), value_at(map, "B", n)));
-  const double scale = scale_of_colors(colors);
+  Table table{{"label", "name", "r", "g", "b"}, {}, {}};
   for (std::size_t n = 0; n < count; ++n) {
-    LabelName name;
-    name.line = n + 1;
-    name.name = value_at(map, "labels", n);
-    name.color = parse_table_color(colors[n], scale);
-    if (!name.color && colors[n] != ",,") into.add_bad_color(n + 1, colors[n]);
-    into.add(has_values ? value_at(map, "I", n) : fmt::format("{}", n), std::move(name));
+    table.rows.push_back({n + 1, {has_values ? value_at(map, "I", n) : fmt::format("{}", n)}});
+    for (const char* key : {"labels", "R", "G", "B"}) table.rows[n].fields.push_back(value_at(map, key, n));
   }
-  return {};
+  return add_table(table, input, into);
 }
 
 Result<std::vector<TreeLine>> read_json_tree(const NamesInput& input, NamesCollector& into) {
