@@ -162,4 +162,15 @@ std::optional<Margin> margin_around(const Grid& grid, const Grid& other) {
   return fits ? std::optional(margin) : std::nullopt;
 }
 
+std::optional<Grid> union_of(const Grid& a, const Grid& b) {
+  constexpr double kMostVoxels = 1 << 30;
+  const std::optional<Margin> margin = margin_around(a, b);
+  if (!margin) return std::nullopt;
+  const Grid whole = widened(a, before_reordering(*margin, storage_order(a)));
+  double voxels = 1;
+  for (const std::int64_t size : whole.size) voxels *= static_cast<double>(size);
+  const auto least = static_cast<double>(std::max(a.voxels(), b.voxels()));
+  return voxels <= std::max(kMostVoxels, 2 * least) ? std::optional(whole) : std::nullopt;
+}
+
 }  // namespace splatlas

@@ -25,4 +25,8 @@ namespace splatlas {
 /// both lie on one lattice.
 [[nodiscard]] std::optional<Margin> margin_around(const Grid& grid, const Grid& other);
 
+/// The smallest grid that holds the voxels of both; nullopt unless they lie on one lattice, or for a grid
+/// much larger than both.
+[[nodiscard]] std::optional<Grid> union_of(const Grid& a, const Grid& b);
+
 }  // namespace splatlas

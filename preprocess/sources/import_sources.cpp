@@ -143,7 +143,7 @@ class SourceImporter {
       SPLATLAS_ASSIGN_OR_RETURN(ImportedLabels others, import_labels_of(more, grid));
       SPLATLAS_RETURN_IF_ERROR(add_labels(std::move(others), labels));
     }
-    note_resampled(labels);
+    note_resampled(labels, names_ ? names_->names : std::vector<LabelName>(), notes_);
     SPLATLAS_RETURN_IF_ERROR(apply_names(labels, files_.labels.string()));
     SPLATLAS_RETURN_IF_ERROR(check_doubt(labels));
     if (!files_.colors.empty()) {
@@ -200,34 +200,6 @@ class SourceImporter {
       model_.tree_file = files_.names.string();
     }
     return {};
-  }
-
-  /// Notes voxels and volumes of each structure before and after resampling, the largest relative change
-  /// first. Structures have the names of the table.
-  void note_resampled(const ImportedLabels& labels) {
-    std::map<std::int64_t, std::string> name_of_label;
-    if (names_) {
-      for (const LabelName& name : names_->names) {
-        if (name.label) name_of_label.emplace(*name.label, name.name);
-      }
-    }
-    std::vector<ResampledStructure> resampled = labels.resampled;
-    std::ranges::stable_sort(resampled, std::greater{}, [](const ResampledStructure& sizes) {
-      return std::abs(sizes.ml_after - sizes.ml_before) / sizes.ml_before;
-    });
-    for (const ResampledStructure& sizes : resampled) {
-      const auto named = name_of_label.find(sizes.label.value_or(0));
-      const std::string& name = named != name_of_label.end() ? named->second : sizes.name;
-      if (sizes.voxels_after == 0) {
-        notes_.add("lost-structures",
-                   fmt::format("{} ({} voxels, {:.4g} ml)", name, sizes.voxels_before, sizes.ml_before));
-      } else if (sizes.voxels_before != sizes.voxels_after || sizes.ml_before < sizes.ml_after ||
-                 sizes.ml_before > sizes.ml_after) {
-        notes_.add("resampled-structures",
-                   fmt::format("{} ({} voxels, {:.4g} ml, become {} voxels, {:.4g} ml)", name,
-                               sizes.voxels_before, sizes.ml_before, sizes.voxels_after, sizes.ml_after));
-      }
-    }
   }
 
   /// Brings labels and volume onto one grid: that of the volume if the labels have a part of its voxels, else

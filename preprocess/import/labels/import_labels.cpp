@@ -93,19 +93,6 @@ std::uint64_t count_voxels(const VoxelBuffer& voxels) {
       std::ranges::count_if(mask_of(voxels), [](std::uint8_t in) { return in != 0; }));
 }
 
-/// The smallest grid that holds the voxels of both; nullopt unless they lie on one lattice, or for a grid
-/// much larger than both.
-std::optional<Grid> union_of(const Grid& a, const Grid& b) {
-  constexpr double kMostVoxels = 1 << 30;
-  const std::optional<Margin> margin = margin_around(a, b);
-  if (!margin) return std::nullopt;
-  const Grid whole = widened(a, before_reordering(*margin, storage_order(a)));
-  double voxels = 1;
-  for (const std::int64_t size : whole.size) voxels *= static_cast<double>(size);
-  const auto least = static_cast<double>(std::max(a.voxels(), b.voxels()));
-  return voxels <= std::max(kMostVoxels, 2 * least) ? std::optional(whole) : std::nullopt;
-}
-
 /// The grid that holds all files, if they lie on one lattice; else the one that most of them have. Reads all
 /// of them: only for folders where they differ.
 Result<Grid> common_grid(const std::vector<fs::path>& files) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <set>
 #include <span>
@@ -293,6 +294,30 @@ Result<void> name_labels(ImportedLabels& labels, NamesTable table, bool keeps_em
   std::ranges::stable_sort(empty, {}, [](const SourceStructure& structure) { return *structure.label; });
   labels.structures.insert(labels.structures.end(), empty.begin(), empty.end());
   return {};
+}
+
+void note_resampled(const ImportedLabels& labels, std::span<const LabelName> names, Notes& notes) {
+  std::map<std::int64_t, std::string> name_of_label;
+  for (const LabelName& name : names) {
+    if (name.label) name_of_label.emplace(*name.label, name.name);
+  }
+  std::vector<ResampledStructure> resampled = labels.resampled;
+  std::ranges::stable_sort(resampled, std::greater{}, [](const ResampledStructure& sizes) {
+    return std::abs(sizes.ml_after - sizes.ml_before) / sizes.ml_before;
+  });
+  for (const ResampledStructure& sizes : resampled) {
+    const auto named = name_of_label.find(sizes.label.value_or(0));
+    const std::string& name = named != name_of_label.end() ? named->second : sizes.name;
+    if (sizes.voxels_after == 0) {
+      notes.add("lost-structures",
+                fmt::format("{} ({} voxels, {:.4g} ml)", name, sizes.voxels_before, sizes.ml_before));
+    } else if (sizes.voxels_before != sizes.voxels_after || sizes.ml_before < sizes.ml_after ||
+               sizes.ml_before > sizes.ml_after) {
+      notes.add("resampled-structures",
+                fmt::format("{} ({} voxels, {:.4g} ml, become {} voxels, {:.4g} ml)", name,
+                            sizes.voxels_before, sizes.ml_before, sizes.voxels_after, sizes.ml_after));
+    }
+  }
 }
 
 }  // namespace splatlas

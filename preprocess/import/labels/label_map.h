@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,10 @@ struct ImportedLabels {
 /// count labels without a name, shared names and colours, and names without voxels; those are dropped, or
 /// become empty structures with `keeps_empty`. kFailed, with the first, if no name fits a structure.
 [[nodiscard]] Result<void> name_labels(ImportedLabels& labels, NamesTable table, bool keeps_empty);
+
+/// Notes voxels and volumes of each structure before and after resampling, the largest relative change first.
+/// Structures have the `names` of the table.
+void note_resampled(const ImportedLabels& labels, std::span<const LabelName> names, Notes& notes);
 
 /// kFailed, with the doubt, if labels look like grey values and one has no name.
 [[nodiscard]] Result<void> check_doubt(const ImportedLabels& labels);
