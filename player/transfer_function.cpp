@@ -36,8 +36,8 @@ TransferCurve curve_of(TransferProfile profile, const Ramp& ramp, float opacity)
   const TransferPoint low = ramp.point(0, 0);
   const TransferPoint high{ramp.high, opacity, 1};
   if (profile != TransferProfile::kHard) return {{low, high}};
-  const TransferPoint before = ramp.point(0.5 - 0.5 * kHardStepWidth, 0);
-  const TransferPoint behind = ramp.point(0.5 + 0.5 * kHardStepWidth, opacity);
+  const TransferPoint before{ramp.point(0.5 - 0.5 * kHardStepWidth, 0).grey, 0, 1};
+  const TransferPoint behind{ramp.point(0.5 + 0.5 * kHardStepWidth, 0).grey, opacity, 1};
   // Keep the ramp where neighbouring doubles leave no room for a step.
   const bool has_room = low.grey < before.grey && before.grey < behind.grey && behind.grey < high.grey;
   return has_room ? TransferCurve{{low, before, behind, high}} : TransferCurve{{low, high}};

@@ -21,8 +21,8 @@
 #include "player/render/rays/cast_rays.h"
 #include "player/render/rays/march_kernels.h"
 #include "player/render/rays/volume/ray_volume.h"
-#include "player/render/sheets/fragment_order.h"
 #include "player/render/sheets/sheet_ends.h"
+#include "player/render/sheets/sheet_fragments.h"
 #include "player/render/sheets/warp/sheet_image.h"
 #include "player/render/surfaces/rasterize.h"
 #include "player/render/view/view_frame.h"
@@ -48,7 +48,7 @@ struct FrameBuffers {
   std::vector<float> surface_depths;  ///< by pixel, if rays end at opaque surfaces
   SheetEnds ends;                     ///< the same, by sheet pixel
   FaceLayer faces;                    ///< of a cut; empty: none
-  FragmentOrder order;                ///< depth order of the fragments, and the volume in front of them
+  SheetFragments in_sheet;            ///< the fragments, composited with the volume between them
   SheetImage sheet;
   IdImage ids;
   DepthMap depths;

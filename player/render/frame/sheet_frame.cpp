@@ -134,8 +134,9 @@ Result<void> SheetFrame::resolve(const PixelBox& region, Picture& picture) {
   Stopwatch watch;
   render_sheet(part_of_window(window_, volume_.shear, region));
   stats_.sheets += watch.lap();
-  splatlas::resolve(buffers_.sheet, volume_.shear, fragments(), region,
-                    scene_.overrides.simd ? best_warp() : scalar_warp(), paints_surfaces(), picture, pool_);
+  splatlas::resolve(buffers_.sheet, volume_.shear, {buffers_.fragments, buffers_.in_sheet.samples(), faces()},
+                    region, scene_.overrides.simd ? best_warp() : scalar_warp(), paints_surfaces(), picture,
+                    pool_);
   stats_.resolve += watch.lap();
   if (scene_.options.ids) {
     cast_surfaces(scene_.walked->volume, scene_.view, scene_.grid, *raster_, buffers_.fragments, walk_,
@@ -149,15 +150,17 @@ void SheetFrame::render_sheet(const SheetWindow& window) {
   const RenderOptions& options = scene_.options;
   const auto& [spans, shear, grid, detail] = volume_;
   check_memory(bytes_of_sheet(window, spans.frame()));
-  buffers_.order.build(buffers_.fragments, shear, window, options.size, grid, pool_);
-  const bool has_ends = ends_at_surfaces();
-  if (has_ends)
-    buffers_.ends.build(buffers_.surface_depths, options.size, shear, window, buffers_.order, pool_);
+  const Slabs slabs(shear, grid, window.parts);
+  SheetSurfaces surfaces{buffers_.fragments, cuts(), options.size, buffers_.in_sheet};
+  if (ends_at_surfaces()) {
+    buffers_.ends.build(buffers_.surface_depths, options.size, shear, window, slabs, pool_);
+    surfaces.ends = &buffers_.ends;
+  }
   // The positive weights of the cubic kernel sum to at most 1.28, which amplifies the error of the sheet.
   const float threshold = termination_threshold(options) / (window.cubic ? 1.3f : 1.0f);
   const SplatKernels& kernels = scene_.overrides.simd ? best_kernels() : scalar_kernels();
-  stats_.voxels_visited += render_sheets(spans, shear, window, kernels, threshold, planes(), buffers_.order,
-                                         buffers_.sheet, pool_, has_ends ? &buffers_.ends : nullptr);
+  stats_.voxels_visited += render_sheets(spans, shear, window, kernels, threshold, planes(), slabs, surfaces,
+                                         buffers_.sheet, pool_);
 }
 
 }  // namespace splatlas

@@ -30,11 +30,6 @@ class SheetFrame : public FrameRenderer {
   [[nodiscard]] std::uint64_t voxels() const override { return volume_.spans.frame().voxels; }
   [[nodiscard]] std::optional<Axis> slice_axis() const override { return volume_.shear.principal; }
 
-  /// Surface fragments in the volume.
-  [[nodiscard]] FragmentsInVolume fragments() const {
-    return {buffers_.fragments, buffers_.order, cuts(), faces()};
-  }
-
   void walk(const RayScene& scene);
   void render_sheet(const SheetWindow& window);
   [[nodiscard]] int level() const override { return volume_.detail.level; }

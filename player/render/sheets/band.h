@@ -9,7 +9,7 @@
 
 #include "format/tasks/task_control.h"
 #include "player/render/sheets/band_image.h"
-#include "player/render/sheets/sheet_fragments.h"
+#include "player/render/sheets/slabs.h"
 #include "player/render/sheets/splat/slice_mix.h"
 #include "player/render/view/sheet_window.h"
 
@@ -22,12 +22,11 @@ struct SheetPass {
   const SheetWindow& window;
   const SplatKernels& kernels;
   float termination_threshold;
-  const FragmentOrder& fragments;
-  const SheetEnds* ends;  ///< in place of fragments; null: none
+  const Slabs& slabs;
 };
 
 /// Rendering of the rows of `image` through all slices, front to back. `Clip`: a policy of band_clip.h.
-/// `Surfaces`: what gets the radiance in front of surfaces, SheetFragments or BandEnds.
+/// `Surfaces`: what is between the slabs, BandFragments or BandEnds.
 template <class Clip, class Surfaces>
 class Band {
  public:
@@ -55,10 +54,7 @@ class Band {
       const std::int64_t n = from_viewer(slice.number - pass_.model.slice_first);
       for (next = std::max(next, n - 1); next <= n; ++next) render_between(next);
     }
-    if (!surfaces_.empty()) {
-      for (std::int64_t row = image_.first_fine_row(); row < image_.last_fine_row(); ++row)
-        surfaces_.finish(row, image_.accumulated(row));
-    }
+    surfaces_.finish();
   }
 
  private:
@@ -113,8 +109,10 @@ class Band {
     }
 
     // Render the fine rows in groups
+    surfaces_.before_slab(pass_.slabs.slab_of(slab.k));
     for (std::int64_t between = 0; between < scale_; between += group_)
       render_rows(slab, between, std::min(group_, scale_ - between));
+    surfaces_.behind_slab();
   }
 
   /// Renders fine rows [between, between + count) of every pair of voxel rows. Rows at the border of the band
@@ -154,17 +152,12 @@ class Band {
                         [&](std::int64_t first_pair, std::int64_t last_pair, const ClipRows& clip) {
                           rows.upper = first + first_pair;
                           rows.pairs = last_pair - first_pair;
-                          composite(slab, rows, slab.rows.fine_row(rows.upper, between), clip);
+                          composite(rows, slab.rows.fine_row(rows.upper, between), clip);
                         });
   }
 
   /// Composites rows in all phases. `fine_row` is the first one of the first pair.
-  void composite(const Slab& slab, SheetRows& rows, std::int64_t fine_row, const ClipRows& clip) {
-    const std::int32_t number = pass_.fragments.slab_of(slab.k);
-    for_each_row_with_surfaces(rows, fine_row, [&](std::int64_t row) {
-      surfaces_.before_slab(row, number, image_.accumulated(row));
-    });
-    // Composite groups of phases between updates of the fragments
+  void composite(SheetRows& rows, std::int64_t fine_row, const ClipRows& clip) {
     const auto slab_mm = static_cast<float>(pass_.shear.slab_mm / pass_.window.parts);
     for (std::size_t phase = 0; phase < phases_.size(); phase += rows.phase_count) {
       rows.phase_count = std::min<std::size_t>(group_, phases_.size() - phase);
@@ -174,19 +167,6 @@ class Band {
       of_phases.lines += static_cast<std::int64_t>(phase) * clip.phase_stride;
       pass_.kernels.composite(rows, of_phases, slab_mm, pass_.termination_threshold,
                               image_.rows(fine_row, static_cast<std::int64_t>(phase)));
-    }
-    for_each_row_with_surfaces(
-        rows, fine_row, [&](std::int64_t row) { surfaces_.behind_slab(row, image_.accumulated(row)); });
-  }
-
-  /// Calls body(fine row) for rows that receive footprints, if there are any surfaces.
-  void for_each_row_with_surfaces(const SheetRows& rows, std::int64_t fine_row, const auto& body) {
-    if (surfaces_.empty()) return;
-    for (std::int64_t pair = 0; pair < rows.pairs; ++pair) {
-      const std::int64_t upper = rows.upper + pair;
-      if (rows.slice->row(upper).empty() && rows.slice->row(upper + 1).empty()) continue;
-      for (std::size_t row = 0; row < rows.rows_between; ++row)
-        body(fine_row + pair * scale_ + static_cast<std::int64_t>(row));
     }
   }
 

@@ -16,9 +16,9 @@ void interleave(const std::vector<const float*>& from, std::int64_t count, float
 
 }  // namespace
 
-void BandImage::store(SheetImage& sheet) const {
+void BandImage::store(std::int64_t last, SheetImage& sheet) const {
   std::vector<const float*> phase_rows;  // of every plane
-  for (std::int64_t fine_row = first_; fine_row < last_; ++fine_row) {
+  for (std::int64_t fine_row = first_; fine_row < last; ++fine_row) {
     phase_rows.clear();
     for (std::int64_t phase = 0; phase < scale_; ++phase) {
       for (std::int64_t plane = 0; plane < planes_; ++plane)

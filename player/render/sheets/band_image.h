@@ -11,16 +11,9 @@
 
 namespace splatlas {
 
-/// Accumulated radiance of a row of sheet pixels, in planes per phase: red, green, blue (or white alone),
-/// then opacity. One pixel before and one after the row are readable.
-struct AccumulatedRow {
-  const float* first = nullptr;  ///< pixel 0 of phase 0, first plane
-  std::int64_t planes = 4;       ///< 4 or 2
-  std::int64_t plane_stride = 0, phase_stride = 0;
-};
-
-/// Radiance and opacity of rows [first, last) of a window, in voxels; each row has `scale` fine rows. Layout:
-/// [fine row][phase][plane][stride()], with planes of emissions, then opacity.
+/// Radiance and opacity of fine rows [first, last) of a window. Layout: [fine row][phase][plane][stride()],
+/// with planes of emissions (red, green, blue, or white alone), then opacity. One pixel before and one after
+/// each row are readable.
 class BandImage {
  public:
   /// A transparent image in the memory of `floats`, which must outlive it.
@@ -30,8 +23,8 @@ class BandImage {
         columns_(window.columns),
         planes_(1 + emissions),
         stride_(stride(window)),
-        first_(first * window.scale),
-        last_(last * window.scale),
+        first_(first),
+        last_(last),
         floats_(floats) {
     floats_.assign(static_cast<std::size_t>((last_ - first_) * row_stride()), 0.0f);
     opaque_.resize(static_cast<std::size_t>((last_ - first_) * scale_));
@@ -42,18 +35,22 @@ class BandImage {
     return (window.columns + 2 * ImageRows::kMargin + kBlock - 1) / kBlock * kBlock;
   }
 
+  /// Place of pixel 0 of the first plane in the floats of the image. `fine_row`: from the first one.
+  static std::int64_t begin_of(std::int64_t fine_row, std::int64_t phase, const SheetWindow& window,
+                               std::int64_t planes) {
+    return (fine_row * window.scale + phase) * planes * stride(window) + ImageRows::kMargin;
+  }
+  [[nodiscard]] const float* begin() const { return floats_.data(); }
+
   [[nodiscard]] std::int64_t first_fine_row() const { return first_; }
   [[nodiscard]] std::int64_t last_fine_row() const { return last_; }
   [[nodiscard]] std::int64_t planes() const { return planes_; }
   [[nodiscard]] std::int64_t plane_stride() const { return stride_; }
+  [[nodiscard]] std::int64_t row_stride() const { return scale_ * phase_stride(); }
 
   /// Pixel 0 of the first plane.
   [[nodiscard]] const float* row(std::int64_t fine_row, std::int64_t phase) const {
     return floats_.data() + (fine_row - first_) * row_stride() + phase * phase_stride() + ImageRows::kMargin;
-  }
-  /// All phases of a fine row.
-  [[nodiscard]] AccumulatedRow accumulated(std::int64_t fine_row) const {
-    return {row(fine_row, 0), planes_, stride_, phase_stride()};
   }
   /// Kernel access from a fine row and a phase on. Pairs of voxel rows are `scale` fine rows apart.
   [[nodiscard]] ImageRows rows(std::int64_t fine_row, std::int64_t phase) {
@@ -70,12 +67,11 @@ class BandImage {
             scale_ * scale_};
   }
 
-  /// Interleaves phases and planes into the rows of the finished sheet.
-  void store(SheetImage& sheet) const;
+  /// Interleaves phases and planes into the rows of the finished sheet, up to fine row `last`.
+  void store(std::int64_t last, SheetImage& sheet) const;
 
  private:
   [[nodiscard]] std::int64_t phase_stride() const { return planes_ * stride_; }
-  [[nodiscard]] std::int64_t row_stride() const { return scale_ * phase_stride(); }
 
   std::int64_t scale_, columns_, planes_, stride_, first_, last_;
   std::vector<float>& floats_;

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace splatlas {
 
 void SheetEnds::build(std::span<const float> depths, const PictureSize& size, const Shear& shear,
-                      const SheetWindow& window, const FragmentOrder& order, ThreadPool& pool) {
+                      const SheetWindow& window, const Slabs& slabs, ThreadPool& pool) {
   // Invert the map from the picture to the sheet
   const Affine2& map = shear.picture_to_sheet;
   const double determinant = map.xx * map.yy - map.xy * map.yx;
@@ -26,52 +25,36 @@ void SheetEnds::build(std::span<const float> depths, const PictureSize& size, co
         const float depth = depths[static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) +
                                    static_cast<std::size_t>(x)];
         if (!std::isfinite(depth)) continue;
-        const FragmentOrder::SlabPlace place = order.place_of_depth(static_cast<double>(depth));
+        const Slabs::Place place = slabs.place_of(static_cast<double>(depth));
         rows_[row].push_back({place.slab, static_cast<std::int32_t>(fine / window.scale),
                               static_cast<std::int32_t>(fine % window.scale), place.part});
       }
-      std::ranges::stable_sort(rows_[row], {}, &End::slab);
     }
   });
 }
 
 BandEnds::BandEnds(const SheetEnds& ends, BandImage& image)
-    : first_(image.first_fine_row()), planes_(image.planes()), plane_stride_(image.plane_stride()) {
-  for (std::int64_t fine_row = first_; fine_row < image.last_fine_row(); ++fine_row) {
-    Row& row = rows_.emplace_back();
-    row.begin = row.waiting = all_.size();
+    : planes_(image.planes()), plane_stride_(image.plane_stride()) {
+  for (std::int64_t fine_row = image.first_fine_row(); fine_row < image.last_fine_row(); ++fine_row) {
     for (const SheetEnds::End& end : ends.of_row(fine_row))
       all_.push_back({end, image.rows(fine_row, end.phase).pixels + end.column, {}});
-    row.end = all_.size();
-    set_next(row, row.waiting);
   }
-}
-
-void BandEnds::set_next(Row& row, std::size_t next) const {
-  row.next = next;
-  row.next_slab = next < row.end ? all_[next].end.slab : std::numeric_limits<std::int32_t>::max();
+  std::ranges::sort(all_, {}, [](const Ended& of) { return of.end.slab; });
 }
 
 /// Ends in front of `slab` are passed; those in it wait for its end.
-void BandEnds::reach(Row& row, std::int32_t slab) {
-  std::size_t n = row.next;
-  const auto keep = [&](Ended& ended) {
-    for (std::int64_t plane = 0; plane < planes_; ++plane)
-      ended.in_front[static_cast<std::size_t>(plane)] = ended.pixel[plane * plane_stride_];
-  };
-  for (; n < row.end && all_[n].end.slab < slab; ++n) {
-    keep(all_[n]);
-    close(all_[n]);
+void BandEnds::before_slab(std::int32_t slab) {
+  for (; next_ < all_.size() && all_[next_].end.slab < slab; ++next_) {
+    keep(all_[next_]);
+    close(all_[next_]);
   }
-  row.waiting = n;
-  for (; n < row.end && all_[n].end.slab == slab; ++n) keep(all_[n]);
-  set_next(row, n);
+  for (waiting_ = next_; next_ < all_.size() && all_[next_].end.slab == slab; ++next_) keep(all_[next_]);
 }
 
 /// Adds the part of the slab in front of the surfaces in it.
-void BandEnds::pass(Row& row) {
-  for (; row.waiting < row.next; ++row.waiting) {
-    Ended& ended = all_[row.waiting];
+void BandEnds::behind_slab() {
+  for (; waiting_ < next_; ++waiting_) {
+    Ended& ended = all_[waiting_];
     const std::int64_t opacity = planes_ - 1;
     const float share = share_in_slab(ended.in_front[static_cast<std::size_t>(opacity)],
                                       ended.pixel[opacity * plane_stride_], ended.end.part);
@@ -83,17 +66,20 @@ void BandEnds::pass(Row& row) {
   }
 }
 
+void BandEnds::keep(Ended& ended) const {
+  for (std::int64_t plane = 0; plane < planes_; ++plane)
+    ended.in_front[static_cast<std::size_t>(plane)] = ended.pixel[plane * plane_stride_];
+}
+
 /// Makes the pixel opaque.
-void BandEnds::close(Ended& ended) const {
+void BandEnds::close(const Ended& ended) const {
   ended.pixel[(planes_ - 1) * plane_stride_] = 1;
 }
 
 void BandEnds::restore() {
-  for (const Row& row : rows_) {
-    for (std::size_t n = row.begin; n < row.waiting; ++n) {
-      for (std::int64_t plane = 0; plane < planes_; ++plane)
-        all_[n].pixel[plane * plane_stride_] = all_[n].in_front[static_cast<std::size_t>(plane)];
-    }
+  for (const Ended& ended : std::span(all_).first(next_)) {
+    for (std::int64_t plane = 0; plane < planes_; ++plane)
+      ended.pixel[plane * plane_stride_] = ended.in_front[static_cast<std::size_t>(plane)];
   }
 }
 

@@ -9,13 +9,13 @@
 #include "format/tasks/thread_pool.h"
 #include "player/camera.h"
 #include "player/render/sheets/band_image.h"
-#include "player/render/sheets/fragment_order.h"
+#include "player/render/sheets/slabs.h"
 #include "player/render/view/shear.h"
 #include "player/render/view/sheet_window.h"
 
 namespace splatlas {
 
-/// The sheet pixels whose rays end at an opaque surface, by row and slab.
+/// The sheet pixels whose rays end at an opaque surface, by row.
 class SheetEnds {
  public:
   struct End {
@@ -25,12 +25,12 @@ class SheetEnds {
   };
 
   /// Finds the surface of each pixel of the sheet: that of the nearest picture pixel. `depths`: of opaque
-  /// surfaces by picture pixel, as of fragments; infinite: none. `order`: built for the window. Keeps its
-  /// memory from frame to frame. Cost: linear in sheet pixels.
+  /// surfaces by picture pixel, as of fragments; infinite: none. Keeps its memory from frame to frame. Cost:
+  /// linear in sheet pixels.
   void build(std::span<const float> depths, const PictureSize& size, const Shear& shear,
-             const SheetWindow& window, const FragmentOrder& order, ThreadPool& pool);
+             const SheetWindow& window, const Slabs& slabs, ThreadPool& pool);
 
-  /// Ends of a fine row, front to back by slab.
+  /// Ends of a fine row.
   [[nodiscard]] std::span<const End> of_row(std::int64_t fine_row) const {
     return rows_[static_cast<std::size_t>(fine_row)];
   }
@@ -40,20 +40,14 @@ class SheetEnds {
 };
 
 /// The ends in a band of rows. Keeps the radiance in front of each surface, and makes the pixel opaque, so
-/// that nothing behind the surface is splatted. Used by Band in the place of SheetFragments.
+/// that nothing behind the surface is splatted. Used by Band as BandFragments.
 class BandEnds {
  public:
   BandEnds(const SheetEnds& ends, BandImage& image);
 
-  [[nodiscard]] bool empty() const { return all_.empty(); }
-  /// As of SheetFragments.
-  void before_slab(std::int64_t fine_row, std::int32_t slab, const AccumulatedRow& /*row*/) {
-    if (Row& of = rows_[static_cast<std::size_t>(fine_row - first_)]; of.next_slab <= slab) reach(of, slab);
-  }
-  void behind_slab(std::int64_t fine_row, const AccumulatedRow& /*row*/) {
-    if (Row& of = rows_[static_cast<std::size_t>(fine_row - first_)]; of.waiting < of.next) pass(of);
-  }
-  void finish(std::int64_t /*fine_row*/, const AccumulatedRow& /*row*/) {}
+  void before_slab(std::int32_t slab);
+  void behind_slab();
+  void finish() {}
 
   /// Puts the radiance in front of the surfaces into the image. After the last slab.
   void restore();
@@ -64,20 +58,13 @@ class BandEnds {
     float* pixel = nullptr;           ///< of the first plane
     std::array<float, 4> in_front{};  ///< radiance by plane
   };
-  /// Ends [waiting, next) are in the current slab, those before are passed.
-  struct Row {
-    std::int32_t next_slab = 0;
-    std::size_t begin = 0, waiting = 0, next = 0, end = 0;
-  };
 
-  void set_next(Row& row, std::size_t next) const;
-  void reach(Row& row, std::int32_t slab);
-  void pass(Row& row);
-  void close(Ended& ended) const;
+  void keep(Ended& ended) const;
+  void close(const Ended& ended) const;
 
-  std::int64_t first_, planes_, plane_stride_;
-  std::vector<Row> rows_;
-  std::vector<Ended> all_;  // by row and slab
+  std::int64_t planes_, plane_stride_;
+  std::vector<Ended> all_;              // by slab
+  std::size_t waiting_ = 0, next_ = 0;  // those before are passed; those between are in the current slab
 };
 
 }  // namespace splatlas

@@ -81,7 +81,9 @@ class BandClip {
   std::vector<Blocks> visible_;  // of the current voxel rows
 };
 
-constexpr std::int64_t kMaxBandRows = 16;  // in voxels; small enough for load balance
+/// Rows of a band in voxels: few enough for load balance and, with fragments, for their samples to stay in
+/// cache.
+constexpr std::int64_t kMaxBandRows = 16, kMaxRowsWithFragments = 4;
 /// Maximum size of a band's accumulation buffer, which should fit the L2 cache.
 constexpr std::int64_t kBandBytes = std::int64_t{1} << 18;
 
@@ -126,46 +128,47 @@ std::uint64_t count_voxels(const SheetPass& pass, const Clip& clip, std::int64_t
 /// Renders the bands in parallel. Returns the number of splatted voxels.
 template <class Clip>
 std::uint64_t render_bands(const SheetPass& pass, const SheetSpans& spans, const Clip& clip,
-                           FragmentOrder& order, SheetImage& sheet, ThreadPool& pool) {
+                           const SheetSurfaces& surfaces, SheetImage& sheet, ThreadPool& pool) {
   // Split the window into bands
   const SheetWindow& window = pass.window;
   const std::int64_t row_bytes =
       BandImage::stride(window) * window.scale * window.scale * sheet.channels * std::int64_t{sizeof(float)};
   const std::int64_t band_rows =
-      std::clamp<std::int64_t>(kBandBytes / std::max<std::int64_t>(row_bytes, 1), 1, kMaxBandRows);
-  std::vector<SheetFragments> fragments;
-  for (std::int64_t row = 0; row < window.rows; row += band_rows) {
-    const std::int64_t last = std::min(row + band_rows, window.rows);
-    fragments.emplace_back(order, row * window.scale, last * window.scale, window, pass.model.color);
-  }
+      std::clamp<std::int64_t>(kBandBytes / std::max<std::int64_t>(row_bytes, 1), 1,
+                               surfaces.list.fragments.empty() ? kMaxBandRows : kMaxRowsWithFragments);
+  const auto fine_row = [&](std::size_t band) {
+    return std::min(static_cast<std::int64_t>(band) * band_rows, window.rows) * window.scale;
+  };
+  surfaces.fragments.build(surfaces.list, surfaces.cuts, surfaces.size, pass.shear, window, pass.slabs,
+                           sheet.channels, band_rows * window.scale, pool);
 
   const auto render_band = [&](const SheetPass& strip, std::size_t n) {
     // Reuse memory: page faults would cost more than the band
     static thread_local std::vector<float> floats;
-    const std::int64_t first = static_cast<std::int64_t>(n) * band_rows;
-    BandImage image(window, strip.model.emissions, first, std::min(first + band_rows, window.rows), floats);
-    if (pass.ends != nullptr) {
-      BandEnds ends(*pass.ends, image);
+    static thread_local BandFragments fragments;
+    // Fragments behind the last row are in front of the next one, too
+    const std::int64_t last = fine_row(n + 1);
+    BandImage image(window, strip.model.emissions, fine_row(n), surfaces.fragments.empty() ? last : last + 1,
+                    floats);
+    if (surfaces.ends != nullptr) {
+      BandEnds ends(*surfaces.ends, image);
       Band(strip, clip, image, ends).render();
       ends.restore();
     } else {
-      Band(strip, clip, image, fragments[n]).render();
+      fragments.begin(surfaces.fragments, n, pass.slabs, image, pass.model.color);
+      Band(strip, clip, image, fragments).render();
     }
-    image.store(sheet);
+    image.store(last, sheet);
   };
   std::uint64_t voxels = 0;
-  spans.for_each_strip(
-      pass.shear, window.v0, fragments.size(), band_rows,
-      [&](const SpanModel& model, std::size_t first, std::size_t last) {
-        const SheetPass strip{model,          pass.shear, window, pass.kernels, pass.termination_threshold,
-                              pass.fragments, pass.ends};
-        pool.for_each(last - first, [&](std::size_t n) { render_band(strip, first + n); });
-        const auto fine_row = [&](std::size_t band) {
-          return std::min(static_cast<std::int64_t>(band) * band_rows, window.rows) * window.scale;
-        };
-        voxels += count_voxels(strip, clip, fine_row(first), fine_row(last));
-      });
-  for (SheetFragments& of_band : fragments) of_band.merge();
+  spans.for_each_strip(pass.shear, window.v0,
+                       static_cast<std::size_t>((window.rows + band_rows - 1) / band_rows), band_rows,
+                       [&](const SpanModel& model, std::size_t first, std::size_t last) {
+                         const SheetPass strip{
+                             model, pass.shear, window, pass.kernels, pass.termination_threshold, pass.slabs};
+                         pool.for_each(last - first, [&](std::size_t n) { render_band(strip, first + n); });
+                         voxels += count_voxels(strip, clip, fine_row(first), fine_row(last));
+                       });
   return voxels;
 }
 
@@ -173,13 +176,13 @@ std::uint64_t render_bands(const SheetPass& pass, const SheetSpans& spans, const
 
 std::uint64_t render_sheets(const SheetSpans& spans, const Shear& shear, const SheetWindow& window,
                             const SplatKernels& kernels, float termination_threshold,
-                            std::span<const VoxelPlane> planes, FragmentOrder& fragments, SheetImage& image,
-                            ThreadPool& pool, const SheetEnds* ends) {
-  const SheetPass pass{spans.frame(), shear, window, kernels, termination_threshold, fragments, ends};
+                            std::span<const VoxelPlane> planes, const Slabs& slabs,
+                            const SheetSurfaces& surfaces, SheetImage& image, ThreadPool& pool) {
+  const SheetPass pass{spans.frame(), shear, window, kernels, termination_threshold, slabs};
   begin_sheet(pass, image);
-  if (planes.empty()) return render_bands(pass, spans, NoClip(), fragments, image, pool);
-  const ClipSlabs slabs(planes, shear, window, ImageRows::kMargin);
-  return render_bands(pass, spans, BandClip(slabs, window.scale), fragments, image, pool);
+  if (planes.empty()) return render_bands(pass, spans, NoClip(), surfaces, image, pool);
+  const ClipSlabs clip(planes, shear, window, ImageRows::kMargin);
+  return render_bands(pass, spans, BandClip(clip, window.scale), surfaces, image, pool);
 }
 
 }  // namespace splatlas

@@ -51,11 +51,6 @@ struct Sample {
   }
 };
 
-/// Radiance of the volume in front of a slab, without (`before`) and with the slab (`behind`).
-struct SlabRadiance {
-  Radiance before, behind;
-};
-
 /// Fragments of a picture, front to back within each sample; samples in pixel order. A pixel is the mean of
 /// its samples; pixels without surfaces have none. The last element of `samples` is a sentinel.
 struct FragmentList {

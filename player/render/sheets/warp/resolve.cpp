@@ -10,9 +10,6 @@
 namespace splatlas {
 namespace {
 
-/// Prefetch distance: the radiance in front of fragments is scattered in memory.
-constexpr std::size_t kFragmentsAhead = 12;
-
 /// One bilinear sample, as in the warp; zero outside the sheet's border.
 Radiance sample(const SheetImage& sheet, double x, double y) {
   const SheetWindow& window = sheet.window;
@@ -85,51 +82,21 @@ std::pair<int, int> covered(const SheetImage& sheet, const Affine2& map, double 
   return {static_cast<int>(first), static_cast<int>(last)};
 }
 
-/// Composites the fragments of a sample with the segments of the volume between them, front to back (Porter
-/// and Duff 1984). `whole` is the radiance of the whole volume, `kept` the kept part of the sample's ray.
-Radiance compose(const FragmentsInVolume& fragments, std::size_t sample, const Radiance& whole,
-                 const ClipDepths* kept) {
-  Radiance sum;
-  Radiance before;          // of the volume in front of the previous fragment
-  float transmittance = 1;  // of the surfaces so far
-  const FragmentList& list = fragments.list;
-  for (std::uint32_t n = list.samples[sample].first_fragment; n < list.samples[sample + 1].first_fragment;
-       ++n) {
-    const Fragment& fragment = list.fragments[n];
-    if (n + kFragmentsAhead < list.fragments.size()) fragments.order.prefetch(n + kFragmentsAhead);
-    const Radiance volume = fragments.order.in_front_of(n, fragment.depth, kept);
-    const float volume_transmittance = 1 - volume.rgba[3];
-    for (std::size_t c = 0; c < 4; ++c) {
-      sum.rgba[c] +=
-          transmittance * (volume.rgba[c] - before.rgba[c] + volume_transmittance * fragment.rgba[c]);
-    }
-    before = volume;
-    transmittance *= 1 - fragment.rgba[3];
-  }
-  for (std::size_t c = 0; c < 4; ++c) sum.rgba[c] += transmittance * (whole.rgba[c] - before.rgba[c]);
-  return sum;
-}
-
 struct Pixel {
   int column = 0, row = 0;
 };
 
 /// Mean of the samples [first, last) of a pixel.
 Radiance mean_of(const FragmentsInVolume& fragments, std::uint32_t first, std::uint32_t last,
-                 const SheetImage& sheet, const Shear& shear, const Affine2& map, const Pixel& pixel) {
+                 const SheetImage& sheet, const Affine2& map, const Pixel& pixel) {
   Radiance sum;
   for (std::uint32_t n = first; n < last; ++n) {
     // Point-sample the volume: the radiance in front of fragments is a point sample, too.
     const SubPixel& place = fragments.list.samples[n].place;
     const double x = pixel.column + place.right();
     const double y = pixel.row + place.down();
-    const Radiance whole = sample(sheet, map.xx * x + map.xy * y + map.x0, map.yx * x + map.yy * y + map.y0);
-    if (fragments.cuts == nullptr) {
-      sum += compose(fragments, n, whole, nullptr);
-      continue;
-    }
-    const ClipDepths kept = fragments.cuts->depths(x, y, shear.scan.slice_axis, shear.ascending ? 1.0 : -1.0);
-    Radiance radiance = compose(fragments, n, whole, &kept);
+    Radiance radiance = fragments.samples[n].in(
+        sample(sheet, map.xx * x + map.xy * y + map.x0, map.yx * x + map.yy * y + map.y0));
     if (fragments.faces != nullptr) radiance.rgba = fragments.list.faces[n].around(radiance.rgba);
     sum += radiance;
   }
@@ -259,8 +226,8 @@ void warp_rows(const SheetImage& sheet, const Affine2& map, int samples, const W
 }
 
 /// Replaces the warped pixels of a row that have fragments.
-void compose_row(const SheetImage& sheet, const Shear& shear, const Affine2& map,
-                 const FragmentsInVolume& fragments, std::size_t row, Picture& picture) {
+void compose_row(const SheetImage& sheet, const Affine2& map, const FragmentsInVolume& fragments,
+                 std::size_t row, Picture& picture) {
   const FragmentList& list = fragments.list;
   const auto width = static_cast<std::size_t>(picture.size.width);
   const std::uint32_t end = list.first_of_row[row + 1];
@@ -269,8 +236,7 @@ void compose_row(const SheetImage& sheet, const Shear& shear, const Affine2& map
     while (last < end && list.samples[last].pixel == list.samples[first].pixel) ++last;
     const std::size_t pixel = list.samples[first].pixel;
     const auto column = static_cast<int>(pixel - row * width);
-    const Radiance radiance =
-        mean_of(fragments, first, last, sheet, shear, map, {column, static_cast<int>(row)});
+    const Radiance radiance = mean_of(fragments, first, last, sheet, map, {column, static_cast<int>(row)});
     std::copy(radiance.rgba.begin(), radiance.rgba.end(), &picture.rgba[4 * pixel]);
     first = last;
   }
@@ -295,7 +261,7 @@ void resolve(const SheetImage& sheet, const Shear& shear, const FragmentsInVolum
       if (fragments.faces != nullptr) {
         fragments.faces->add_to_row(row, band.x_first, band.x_last + 1, &picture.rgba[4 * row * width]);
       }
-      compose_row(sheet, shear, map, fragments, row, picture);
+      compose_row(sheet, map, fragments, row, picture);
     }
   });
 }

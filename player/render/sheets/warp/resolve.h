@@ -1,9 +1,12 @@
 // Warp of the sheet into the picture, composited with surface fragments.
 #pragma once
 
+#include <span>
+
 #include "format/tasks/thread_pool.h"
 #include "player/picture.h"
-#include "player/render/sheets/fragment_order.h"
+#include "player/render/clip/face_layer.h"
+#include "player/render/sheets/sheet_sample.h"
 #include "player/render/sheets/warp/sheet_image.h"
 #include "player/render/sheets/warp/warp_kernels.h"
 #include "player/render/view/pixel_box.h"
@@ -11,19 +14,18 @@
 
 namespace splatlas {
 
-/// Surface fragments, and the radiance of the volume in front of each.
+/// Surface fragments, and what is composited of them.
 struct FragmentsInVolume {
   const FragmentList& list;
-  const FragmentOrder& order;
-  const CutRays* cuts = nullptr;     ///< clips the volume; null: no cut
-  const FaceLayer* faces = nullptr;  ///< of the cut, at pixel centres; null: none
+  std::span<const SheetSample> samples;  ///< as of the list
+  const FaceLayer* faces = nullptr;      ///< of the cut, at pixel centres; null: none
 };
 
-/// Warps the sheet (Lacroute and Levoy 1994) and composites fragments with the segments of the volume between
-/// them, in exact depth order. Interpolation in the sheet is bilinear, or cubic for pixels without fragments
-/// if the window asks for it. Minified pixels are the mean of several samples. Faces of a cut are composited
-/// in front of and behind everything else. `painted`: the picture holds what is behind the volume, without
-/// fragments. Writes the pixels of a region. Cost: linear in its pixels and fragments.
+/// Warps the sheet (Lacroute and Levoy 1994), and puts the rest of it behind the fragments. Interpolation in
+/// the sheet is bilinear, or cubic for pixels without fragments if the window asks for it. Minified pixels
+/// are the mean of several samples. Faces of a cut are composited in front of and behind everything else.
+/// `painted`: the picture holds what is behind the volume, without fragments. Writes the pixels of a region.
+/// Cost: linear in its pixels and fragments.
 void resolve(const SheetImage& sheet, const Shear& shear, const FragmentsInVolume& fragments,
              const PixelBox& region, const WarpKernels& kernels, bool painted, Picture& picture,
              ThreadPool& pool);
