@@ -78,8 +78,6 @@ void add_sources(CLI::App& build, SourceFiles& sources) {
   Choices<NamesFormat> formats{{"auto", NamesFormat::kAuto}};
   for (const NamesFormatInfo& info : names_formats()) formats.emplace_back(info.option, info.format);
   add_choice(build, "--names-format", sources.names_format, formats, "dialect of --names")->needs("--names");
-  build.add_option("--colors", sources.colors, "colour table of 768 bytes (MRIcron's .lut)")
-      ->check(names_a_file());
   build.add_option("--tree", sources.tree, "hierarchy of the structures")->check(names_a_file());
   build.add_option("--sides", sources.sides, "FILE or x=MM: split the labels that lie on both sides")
       ->check(names_a_file())

@@ -146,14 +146,6 @@ class SourceImporter {
     note_resampled(labels, names_ ? names_->names : std::vector<LabelName>(), notes_);
     SPLATLAS_RETURN_IF_ERROR(apply_names(labels, files_.labels.string()));
     SPLATLAS_RETURN_IF_ERROR(check_doubt(labels));
-    if (!files_.colors.empty()) {
-      SPLATLAS_ASSIGN_OR_RETURN(const auto colors, read_color_table(files_.colors));
-      for (SourceStructure& structure : labels.structures) {
-        if (structure.label && *structure.label < 256)
-          structure.color = colors[static_cast<std::size_t>(*structure.label)];
-      }
-      SPLATLAS_RETURN_IF_ERROR(remember("colors", files_.colors));
-    }
     for (const fs::path& file : labels.files) SPLATLAS_RETURN_IF_ERROR(remember("labels", file));
     notes_.add(labels.notes);
     model_.source_grid = labels.source_grid;
@@ -377,8 +369,6 @@ Result<SourceModel> import_sources(const SourceFiles& files, Notes& notes,
                 in_quotes((files.labels_group.empty() ? files.labels : one->file).string()));
   if (!files.names.empty() && files.labels.empty() && files.meshes.empty())
     return fail(ErrorCode::kUsage, "--names needs --labels or a --mesh");
-  if (files.labels.empty() && !files.colors.empty())
-    return fail(ErrorCode::kUsage, "--colors needs --labels");
   SPLATLAS_ASSIGN_OR_RETURN(const SourceFiles single, without_folders(files));
   return SourceImporter(single, notes, progress).import();
 }

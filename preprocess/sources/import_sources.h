@@ -41,7 +41,7 @@ struct SourceFiles {
   std::filesystem::path labels;         ///< a label map, or a folder of masks
   std::string labels_group;             ///< as of LabelsFile
   std::vector<LabelsFile> more_labels;  ///< beside `labels`; then all have groups
-  std::filesystem::path volume, names, colors, tree;
+  std::filesystem::path volume, names, tree;
   std::filesystem::path sides;  ///< image of the sides of labels, or "x=MM"
   std::vector<SegmentRule> segments;
   std::vector<MeshSource> meshes;

@@ -178,8 +178,7 @@ Result<void> fit_grid(SourceModel& model, std::span<const TriangleMesh> meshes, 
 
 std::vector<std::filesystem::path> list_files(const SourceFiles& files) {
   std::vector<std::filesystem::path> list;
-  std::vector<std::filesystem::path> given{files.labels, files.volume, files.names,
-                                           files.colors, files.tree,   files.sides};
+  std::vector<std::filesystem::path> given{files.labels, files.volume, files.names, files.tree, files.sides};
   for (const LabelsFile& more : files.more_labels) given.push_back(more.file);
   for (const MeshSource& mesh : files.meshes) given.insert(given.end(), {mesh.file, mesh.transform});
   for (const std::filesystem::path& path : given) {

@@ -1,7 +1,6 @@
 // Structures of sources, the content of names files and trees, and the reader of names.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -107,9 +106,5 @@ struct NamesTable {
 /// or if no row is usable; the message tells the first fault. Cost: linear in the file, at most 16 MiB.
 [[nodiscard]] Result<NamesTable> read_names(const std::filesystem::path& path, NamesFormat format,
                                             Notes& notes);
-
-/// Reads a colour table of 768 bytes (MRIcron's .lut: 256 reds, 256 greens, 256 blues), indexed by label.
-/// kFailed for any other length.
-[[nodiscard]] Result<std::array<Rgb, 256>> read_color_table(const std::filesystem::path& path);
 
 }  // namespace splatlas

@@ -89,17 +89,4 @@ Result<NamesTable> read_names(const std::filesystem::path& path, NamesFormat for
   return table;
 }
 
-Result<std::array<Rgb, 256>> read_color_table(const std::filesystem::path& path) {
-  SPLATLAS_RETURN_IF_ERROR(check_regular_file(path));
-  const std::string bytes = first_bytes(path, 769);
-  if (bytes.size() != 768)
-    return bad_file(path, "is no colour table: it must be 768 bytes long (256 reds, greens, blues)");
-  std::array<Rgb, 256> colors;
-  for (std::size_t n = 0; n < 256; ++n) {
-    colors[n] = {static_cast<std::uint8_t>(bytes[n]), static_cast<std::uint8_t>(bytes[256 + n]),
-                 static_cast<std::uint8_t>(bytes[512 + n])};
-  }
-  return colors;
-}
-
 }  // namespace splatlas
