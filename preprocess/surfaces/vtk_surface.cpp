@@ -16,7 +16,7 @@
 #include <vtkUnsignedCharArray.h>
 
 #include "format/result_macros.h"
-#include "preprocess/import/meshes/quiet_vtk.h"
+#include "preprocess/import/quiet_vtk.h"
 
 namespace splatlas {
 namespace {

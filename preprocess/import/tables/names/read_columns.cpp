@@ -6,6 +6,7 @@
 
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
+#include "preprocess/import/quiet_vtk.h"
 #include "preprocess/import/tables/names/dialects.h"
 #include "preprocess/import/tables/table_entries.h"
 #include "preprocess/import/tables/text_file.h"
@@ -61,20 +62,19 @@ bool recognise_fsl(std::string_view head) {
 }
 
 Result<void> read_fsl(const NamesInput& input, NamesCollector& into) {
-  std::string_view rest = input.text;
-  const bool counts_maps = to_lower(rest).find("<type>prob") != std::string::npos;
-  std::size_t number = 0;
-  while (const auto label = cut_between(rest, "<label", "</label>")) {
+  const auto atlas = parse_xml(input.text);
+  vtkXMLDataElement* const data = atlas == nullptr ? nullptr : atlas->FindNestedElementWithName("data");
+  if (data == nullptr) return input.refuse("is no whole XML with labels in its <data>; get the file again");
+  const bool counts_maps = to_lower(input.text).find("<type>prob") != std::string::npos;
+  for (int n = 0; n < data->GetNumberOfNestedElements(); ++n) {
+    vtkXMLDataElement* const label = data->GetNestedElement(n);
     LabelName name;
-    name.line = ++number;
-    std::string_view attributes = label->substr(0, label->find('>'));
-    name.name = xml_text(label->substr(std::min(attributes.size() + 1, label->size())));
-    const auto index = cut_between(attributes, "index=\"", "\"");
-    const auto value = parse_label(index.value_or(""));
-    if (value) {
+    name.line = static_cast<std::size_t>(n) + 1;
+    name.name = text_of(label);
+    if (const auto value = parse_label(attribute(*label, "index"))) {
       into.add(fmt::to_string(*value + (counts_maps ? 1 : 0)), std::move(name));
     } else {
-      into.add_fault(number, fmt::format("{} has no index", in_quotes(name.name)));
+      into.add_fault(name.line, fmt::format("{} has no index", in_quotes(name.name)));
     }
   }
   return {};
