@@ -22,8 +22,6 @@ bool is_row(const std::vector<std::string>& header) {
                               [](const std::string& field) { return parse_number(field).has_value(); });
 }
 
-}  // namespace
-
 bool recognise_csv(std::string_view head) {
   const auto separator = find_separator(head);
   if (!separator) return false;
@@ -57,10 +55,6 @@ bool recognise_bids(std::string_view head) {
 // FSL's atlases: <label index="0" x="1" y="2" z="3">name</label>. Indices of probabilistic ones count maps
 // from 0; their label map counts from 1.
 
-bool recognise_fsl(std::string_view head) {
-  return head.find("<atlas") != std::string_view::npos && head.find("<label") != std::string_view::npos;
-}
-
 Result<void> read_fsl(const NamesInput& input, NamesCollector& into) {
   const auto atlas = parse_xml(input.text);
   vtkXMLDataElement* const data = atlas == nullptr ? nullptr : atlas->FindNestedElementWithName("data");
@@ -79,5 +73,17 @@ Result<void> read_fsl(const NamesInput& input, NamesCollector& into) {
   }
   return {};
 }
+
+}  // namespace
+
+const Dialect kCsvNames{
+    {NamesFormat::kCsv, "csv", "table with columns (CSV or TSV)"}, recognise_csv, read_csv};
+const Dialect kBidsNames{{NamesFormat::kBids, "bids", "BIDS segmentation table"}, recognise_bids, read_csv};
+const Dialect kFslNames{{NamesFormat::kFsl, "fsl", "FSL atlas"},
+                        [](std::string_view head) {
+                          return head.find("<atlas") != std::string_view::npos &&
+                                 head.find("<label") != std::string_view::npos;
+                        },
+                        read_fsl};
 
 }  // namespace splatlas
