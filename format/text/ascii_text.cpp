@@ -1,5 +1,6 @@
 #include "format/text/ascii_text.h"
 
+#include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
@@ -165,6 +166,14 @@ std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos) return {};
   return text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
+}
+
+std::string one_line(const std::string& message, const std::string& otherwise) {
+  std::istringstream words(message);
+  std::string line;
+  for (std::string word; words >> word;) line += (line.empty() ? "" : " ") + word;
+  line.erase(line.find_last_not_of(" .") + 1);
+  return line.empty() ? otherwise : line;
 }
 
 std::vector<std::string_view> split(std::string_view text, char separator) {

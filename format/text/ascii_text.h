@@ -89,6 +89,8 @@ template <std::size_t n>
 
 /// Removes white space at both ends.
 [[nodiscard]] std::string_view trimmed(std::string_view text);
+/// A library's message as one line without a full stop; `otherwise` if there is none.
+[[nodiscard]] std::string one_line(const std::string& message, const std::string& otherwise);
 /// Splits at `separator` into trimmed parts; "a,,b" has three. The parts refer to `text`.
 [[nodiscard]] std::vector<std::string_view> split(std::string_view text, char separator);
 std::vector<std::string_view> split(std::string&& text, char separator) = delete;

@@ -34,7 +34,18 @@ Result<Vec3> parse_spacing(std::string_view text) {
 }
 
 void add_sources(CLI::App& build, SourceFiles& sources) {
-  build.add_option("--labels", sources.labels, "label map, segmentation, or folder of masks")
+  build
+      .add_option_function<std::vector<std::string>>(
+          "--labels",
+          [&sources](const std::vector<std::string>& texts) {
+            const LabelsFile first = parse_labels(texts.front());
+            sources.labels = first.file;
+            sources.labels_group = first.group;
+            for (std::size_t n = 1; n < texts.size(); ++n)
+              sources.more_labels.push_back(parse_labels(texts[n]));
+          },
+          "FILE: label map, segmentation, or folder of masks; or NAME=FILE, below a group (repeatable)")
+      ->allow_extra_args(false)
       ->check(names_a_file());
   build.add_flag("--as-labels", sources.as_labels,
                  "round the values of a label map, even if they look like grey values");
@@ -65,9 +76,10 @@ void add_sources(CLI::App& build, SourceFiles& sources) {
   Choices<NamesFormat> formats{{"auto", NamesFormat::kAuto}};
   for (const NamesFormatInfo& info : names_formats()) formats.emplace_back(info.option, info.format);
   add_choice(build, "--names-format", sources.names_format, formats, "dialect of --names")->needs("--names");
-  build.add_option("--colors", sources.colors, "colour table of 768 bytes (MRIcron's .lut)")
-      ->check(names_a_file());
   build.add_option("--tree", sources.tree, "hierarchy of the structures")->check(names_a_file());
+  build.add_option("--sides", sources.sides, "FILE or x=MM: split the labels that lie on both sides")
+      ->check(names_a_file())
+      ->needs("--labels");
   add_repeated(build, "--segment", sources.segments, parse_segment,
                "NAME=RULE: a structure from thresholds or a mask (repeatable)");
   add_repeated(

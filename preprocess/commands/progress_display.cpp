@@ -20,17 +20,18 @@ std::optional<double> estimate_remaining(const BuildProgress& progress) {
   return progress.total_seconds * (1 - progress.total_fraction) / progress.total_fraction;
 }
 
-}  // namespace
-
-ProgressMode automatic_progress(std::FILE* stream) {
-  return ::isatty(::fileno(stream)) != 0 ? ProgressMode::kPercent : ProgressMode::kLines;
-}
-
+/// "about 12 s left"; empty before an estimate is possible.
 std::string remaining_time(const BuildProgress& progress) {
   const auto seconds = estimate_remaining(progress);
   if (!seconds) return "";
   if (*seconds < 100) return fmt::format("about {:.0f} s left", std::ceil(*seconds));
   return fmt::format("about {:.0f} min left", std::ceil(*seconds / 60));
+}
+
+}  // namespace
+
+ProgressMode automatic_progress(std::FILE* stream) {
+  return ::isatty(::fileno(stream)) != 0 ? ProgressMode::kPercent : ProgressMode::kLines;
 }
 
 void ProgressDisplay::show(const BuildProgress& progress) {

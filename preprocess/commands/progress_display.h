@@ -39,7 +39,4 @@ class ProgressDisplay {
   std::chrono::steady_clock::time_point last_shown_;
 };
 
-/// "about 12 s left"; empty before an estimate is possible.
-[[nodiscard]] std::string remaining_time(const BuildProgress& progress);
-
 }  // namespace splatlas

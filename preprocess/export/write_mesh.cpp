@@ -21,7 +21,7 @@
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"
 #include "preprocess/import/import_error.h"
-#include "preprocess/import/meshes/quiet_vtk.h"
+#include "preprocess/import/quiet_vtk.h"
 
 namespace splatlas {
 namespace {

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <sstream>
-#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,15 +15,6 @@ template <typename... Args>
 [[nodiscard]] tl::unexpected<Error> bad_file(const std::filesystem::path& path,
                                              fmt::format_string<Args...> text, Args&&... args) {
   return fail(ErrorCode::kFailed, path.string() + ": " + fmt::format(text, std::forward<Args>(args)...));
-}
-
-/// A library's message as one line without a full stop; `otherwise` if there is none.
-[[nodiscard]] inline std::string one_line(const std::string& message, const std::string& otherwise) {
-  std::istringstream words(message);
-  std::string line;
-  for (std::string word; words >> word;) line += (line.empty() ? "" : " ") + word;
-  line.erase(line.find_last_not_of(" .") + 1);
-  return line.empty() ? otherwise : line;
 }
 
 }  // namespace splatlas

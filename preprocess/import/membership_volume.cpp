@@ -54,26 +54,6 @@ std::uint64_t MembershipVolume::add(StructureIndex structure, std::span<const st
   return count;
 }
 
-void MembershipVolume::add_each(std::span<const StructureIndex> structures) {
-  std::map<std::pair<SetId, StructureIndex>, SetId> unions;
-  std::pair<SetId, StructureIndex> last{0, kNoStructure};
-  SetId last_union = 0;
-  for (std::size_t v = 0; v < voxels_.size(); ++v) {
-    if (structures[v] == kNoStructure) continue;
-    if (const std::pair pair{voxels_[v], structures[v]}; pair != last) {
-      const auto [entry, is_new] = unions.try_emplace(pair, 0);
-      if (is_new) {
-        std::vector<StructureIndex> set = sets_[pair.first];
-        set.insert(std::ranges::lower_bound(set, pair.second), pair.second);
-        entry->second = intern(std::move(set));
-      }
-      last = pair;
-      last_union = entry->second;
-    }
-    voxels_[v] = last_union;
-  }
-}
-
 void MembershipVolume::widen(const Margin& margin) {
   voxels_ = widened<SetId>(voxels_, size_, margin, 0);
   for (std::size_t a = 0; a < 3; ++a) size_[a] += margin.low[a] + margin.high[a];

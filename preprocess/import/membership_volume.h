@@ -64,8 +64,20 @@ class MembershipVolume {
 
   /// Adds `structure` to the sets of all voxels with non-zero `mask`. Returns their number. Cost: one pass.
   std::uint64_t add(StructureIndex structure, std::span<const std::uint8_t> mask);
-  /// Adds to every voxel its structure, none for kNoStructure. Cost: one pass.
-  void add_each(std::span<const StructureIndex> structures);
+  /// Gives every voxel the sorted set combined(its set, its key). Cost: one pass, and a call for each pair of
+  /// a set and a key.
+  template <typename Key, typename Combined>
+  void combine(std::span<const Key> keys, const Combined& combined) {
+    std::map<std::pair<SetId, Key>, SetId> known;
+    auto last = known.end();
+    for (std::size_t v = 0; v < voxels_.size(); ++v) {
+      if (const std::pair pair{voxels_[v], keys[v]}; last == known.end() || last->first != pair) {
+        last = known.try_emplace(pair, 0).first;
+        if (last->second == 0) last->second = intern(combined(sets_[pair.first], pair.second));
+      }
+      voxels_[v] = last->second;
+    }
+  }
   /// Adds empty voxels around.
   void widen(const Margin& margin);
   /// Removes `structure` from the sets of `count` voxels from `first` on, which must contain it.

@@ -146,19 +146,31 @@ double overlap(const Grid& grid, const Grid& other) {
   return static_cast<double>(inside) / (kPoints * kPoints * kPoints);
 }
 
-/// The voxels around a grid that it lacks to be another one, in storage order; nullopt unless it is a part of
-/// it.
-std::optional<Margin> margin_within(const Grid& part, const Grid& whole) {
-  const Grid inner = reordered(part, storage_order(part)), outer = reordered(whole, storage_order(whole));
-  const Vec3 first = lps_mm_to_index(outer).apply(inner.origin_lps_mm);
-  Margin margin;
+std::optional<Margin> margin_around(const Grid& grid, const Grid& other) {
+  const Grid inner = reordered(grid, storage_order(grid)), outer = reordered(other, storage_order(other));
+  const Vec3 first = lps_mm_to_index(inner).apply(outer.origin_lps_mm);
+  Margin margin, of_other;
   for (std::size_t a = 0; a < 3; ++a) {
     if (!(std::abs(first[a]) < static_cast<double>(kMaxAxisSize))) return std::nullopt;
-    margin.low[a] = std::llround(first[a]);
-    margin.high[a] = outer.size[a] - inner.size[a] - margin.low[a];
-    if (margin.low[a] < 0 || margin.high[a] < 0) return std::nullopt;
+    const std::int64_t low = std::llround(first[a]), high = low + outer.size[a] - inner.size[a];
+    margin.low[a] = std::max<std::int64_t>(-low, 0);
+    margin.high[a] = std::max<std::int64_t>(high, 0);
+    of_other.low[a] = std::max<std::int64_t>(low, 0);
+    of_other.high[a] = std::max<std::int64_t>(-high, 0);
   }
-  return have_same_voxels(widened(inner, margin), outer) ? std::optional(margin) : std::nullopt;
+  const bool fits = have_same_voxels(widened(inner, margin), widened(outer, of_other));
+  return fits ? std::optional(margin) : std::nullopt;
+}
+
+std::optional<Grid> union_of(const Grid& a, const Grid& b) {
+  constexpr double kMostVoxels = 1 << 30;
+  const std::optional<Margin> margin = margin_around(a, b);
+  if (!margin) return std::nullopt;
+  const Grid whole = widened(a, before_reordering(*margin, storage_order(a)));
+  double voxels = 1;
+  for (const std::int64_t size : whole.size) voxels *= static_cast<double>(size);
+  const auto least = static_cast<double>(std::max(a.voxels(), b.voxels()));
+  return voxels <= std::max(kMostVoxels, 2 * least) ? std::optional(whole) : std::nullopt;
 }
 
 }  // namespace splatlas

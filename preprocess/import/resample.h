@@ -21,8 +21,12 @@ namespace splatlas {
 /// Fraction of the voxels of `grid` that lie within `other`, estimated on a lattice of 32^3 points.
 [[nodiscard]] double overlap(const Grid& grid, const Grid& other);
 
-/// The voxels around a grid that it lacks to be another one, in storage order; nullopt unless all of its
-/// voxels are voxels of the other.
-[[nodiscard]] std::optional<Margin> margin_within(const Grid& part, const Grid& whole);
+/// The voxels around a grid that it lacks to hold another one, in storage order; nullopt unless the voxels of
+/// both lie on one lattice.
+[[nodiscard]] std::optional<Margin> margin_around(const Grid& grid, const Grid& other);
+
+/// The smallest grid that holds the voxels of both; nullopt unless they lie on one lattice, or for a grid
+/// much larger than both.
+[[nodiscard]] std::optional<Grid> union_of(const Grid& a, const Grid& b);
 
 }  // namespace splatlas

@@ -35,10 +35,12 @@ class SourceImporter {
     keep_error(collect_names());
     keep_error(import_tree());
     // Labels first, unless they need the grid of the volume: reading them takes the most memory.
-    const bool to_volume = files_.resample == ResampleTo::kVolume || is_contours(files_.labels);
+    bool to_volume = files_.resample == ResampleTo::kVolume || is_contours(files_.labels);
+    for (const LabelsFile& more : files_.more_labels) to_volume = to_volume || is_contours(more.file);
     if (to_volume) keep_error(import_volume());
     keep_error(import_names());
     keep_error(import_labels());
+    if (!error_) keep_error(split_labels());
     keep_error(check_names_of_labels());
     report(0.4);
     if (!to_volume) keep_error(import_volume());
@@ -72,8 +74,11 @@ class SourceImporter {
     }
   }
 
-  /// Checks that the names of segments and meshes are unique.
+  /// Checks that the names of segments, meshes and groups of labels are unique.
   Result<void> collect_names() {
+    if (!files_.labels_group.empty()) SPLATLAS_RETURN_IF_ERROR(collect_name("--labels", files_.labels_group));
+    for (const LabelsFile& more : files_.more_labels)
+      SPLATLAS_RETURN_IF_ERROR(collect_name("--labels", more.group));
     for (const SegmentRule& rule : files_.segments)
       SPLATLAS_RETURN_IF_ERROR(collect_name("--segment", rule.name));
     for (const MeshSource& mesh : files_.meshes) SPLATLAS_RETURN_IF_ERROR(collect_name("--mesh", mesh.name));
@@ -120,24 +125,27 @@ class SourceImporter {
     return remember("names", files_.names);
   }
 
+  [[nodiscard]] Result<ImportedLabels> import_labels_of(const LabelsFile& source,
+                                                        const std::optional<Grid>& grid) const {
+    Result<ImportedLabels> labels = splatlas::import_labels(
+        source.file, {.spacing_mm = files_.spacing_mm, .as_labels = files_.as_labels}, grid);
+    if (!labels) return labels;
+    for (SourceStructure& structure : labels->structures) structure.group = source.group;
+    return labels;
+  }
+
   Result<void> import_labels() {
     if (files_.labels.empty()) return {};
     const std::optional<Grid> grid = volume_ ? std::optional(volume_->grid) : std::nullopt;
-    SPLATLAS_ASSIGN_OR_RETURN(
-        ImportedLabels labels,
-        splatlas::import_labels(files_.labels,
-                                {.spacing_mm = files_.spacing_mm, .as_labels = files_.as_labels}, grid));
-    note_resampled(labels);
+    SPLATLAS_ASSIGN_OR_RETURN(ImportedLabels labels,
+                              import_labels_of({files_.labels_group, files_.labels}, grid));
+    for (const LabelsFile& more : files_.more_labels) {
+      SPLATLAS_ASSIGN_OR_RETURN(ImportedLabels others, import_labels_of(more, grid));
+      SPLATLAS_RETURN_IF_ERROR(add_labels(std::move(others), labels));
+    }
+    note_resampled(labels, names_ ? names_->names : std::vector<LabelName>(), notes_);
     SPLATLAS_RETURN_IF_ERROR(apply_names(labels, files_.labels.string()));
     SPLATLAS_RETURN_IF_ERROR(check_doubt(labels));
-    if (!files_.colors.empty()) {
-      SPLATLAS_ASSIGN_OR_RETURN(const auto colors, read_color_table(files_.colors));
-      for (SourceStructure& structure : labels.structures) {
-        if (structure.label && *structure.label < 256)
-          structure.color = colors[static_cast<std::size_t>(*structure.label)];
-      }
-      SPLATLAS_RETURN_IF_ERROR(remember("colors", files_.colors));
-    }
     for (const fs::path& file : labels.files) SPLATLAS_RETURN_IF_ERROR(remember("labels", file));
     notes_.add(labels.notes);
     model_.source_grid = labels.source_grid;
@@ -146,6 +154,24 @@ class SourceImporter {
     model_.structures = std::move(labels.structures);
     labels_source_ = labels.source;
     labels_frame_ = labels.frame_of_reference;
+    return {};
+  }
+
+  Result<void> split_labels() {
+    if (files_.sides.empty()) return {};
+    const std::string text = files_.sides.string();
+    std::error_code unreadable;
+    if (text.starts_with("x=") && !fs::exists(files_.sides, unreadable)) {
+      const auto x_mm = parse_number(text.substr(2));
+      if (!x_mm || !(std::abs(*x_mm) <= kMaxMm))
+        return fail(ErrorCode::kUsage, "--sides {}: must be x=MM or an image of 1 (left) and 2 (right)",
+                    in_quotes(text));
+      split_sides(model_, sides_of_plane(storage_grid(), *x_mm), text, notes_);
+      return {};
+    }
+    SPLATLAS_ASSIGN_OR_RETURN(const VoxelBuffer image, import_on_grid(files_.sides, "sides", text));
+    SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::uint8_t> sides, sides_of_image(image, files_.sides));
+    split_sides(model_, sides, text, notes_);
     return {};
   }
 
@@ -168,45 +194,19 @@ class SourceImporter {
     return {};
   }
 
-  /// Notes voxels and volumes of each structure before and after resampling, the largest relative change
-  /// first. Structures have the names of the table.
-  void note_resampled(const ImportedLabels& labels) {
-    std::map<std::int64_t, std::string> name_of_label;
-    if (names_) {
-      for (const LabelName& name : names_->names) {
-        if (name.label) name_of_label.emplace(*name.label, name.name);
-      }
-    }
-    std::vector<ResampledStructure> resampled = labels.resampled;
-    std::ranges::stable_sort(resampled, std::greater{}, [](const ResampledStructure& sizes) {
-      return std::abs(sizes.ml_after - sizes.ml_before) / sizes.ml_before;
-    });
-    for (const ResampledStructure& sizes : resampled) {
-      const auto named = name_of_label.find(sizes.label.value_or(0));
-      const std::string& name = named != name_of_label.end() ? named->second : sizes.name;
-      if (sizes.voxels_after == 0) {
-        notes_.add("lost-structures",
-                   fmt::format("{} ({} voxels, {:.4g} ml)", name, sizes.voxels_before, sizes.ml_before));
-      } else if (sizes.voxels_before != sizes.voxels_after || sizes.ml_before < sizes.ml_after ||
-                 sizes.ml_before > sizes.ml_after) {
-        notes_.add("resampled-structures",
-                   fmt::format("{} ({} voxels, {:.4g} ml, become {} voxels, {:.4g} ml)", name,
-                               sizes.voxels_before, sizes.ml_before, sizes.voxels_after, sizes.ml_after));
-      }
-    }
-  }
-
   /// Brings labels and volume onto one grid: that of the volume if the labels have a part of its voxels, else
   /// that of the labels.
   Result<void> place_volume() {
     if (!volume_) return {};
     if (files_.labels.empty()) model_.source_grid = volume_->grid;
     const std::optional<Margin> margin =
-        files_.resample == ResampleTo::kAsk ? margin_within(model_.source_grid, volume_->grid) : std::nullopt;
-    if (margin && !margin->empty()) {
-      model_.memberships.widen(*margin);
-      const AxisOrder order = storage_order(model_.source_grid);
-      model_.source_grid = widened(model_.source_grid, before_reordering(*margin, order));
+        files_.resample == ResampleTo::kAsk ? margin_around(model_.source_grid, volume_->grid) : std::nullopt;
+    const Margin added = margin.value_or(Margin{});
+    const Grid whole =
+        widened(model_.source_grid, before_reordering(added, storage_order(model_.source_grid)));
+    if (!added.empty() && have_same_voxels(whole, volume_->grid)) {
+      model_.memberships.widen(added);
+      model_.source_grid = whole;
       notes_.add("labels-widened", files_.labels.string());
     }
     const std::size_t frame = volume_->frame_of_reference;
@@ -234,7 +234,8 @@ class SourceImporter {
     for (const SegmentRule& rule : files_.segments) {
       SourceModel::Segment segment{rule, {}};
       if (rule.kind == SegmentRule::Kind::kMask) {
-        SPLATLAS_ASSIGN_OR_RETURN(segment.mask, import_segment_mask(rule));
+        SPLATLAS_ASSIGN_OR_RETURN(const VoxelBuffer mask, import_on_grid(rule.mask, "segment", rule.name));
+        segment.mask = mask_of(mask);
       } else if (files_.volume.empty()) {
         return fail(ErrorCode::kUsage, "--segment \"{}\": {} needs a --volume", rule.name,
                     rule.kind == SegmentRule::Kind::kIsosurface ? "an isosurface" : "a threshold");
@@ -251,20 +252,20 @@ class SourceImporter {
     return {};
   }
 
-  Result<std::vector<std::uint8_t>> import_segment_mask(const SegmentRule& rule) {
-    SPLATLAS_ASSIGN_OR_RETURN(Image image,
-                              import_image(rule.mask, {.spacing_mm = files_.spacing_mm}, notes_));
+  /// The voxels of an image in storage order, on the grid of the other files or the first. Notes `item` if
+  /// they are resampled.
+  Result<VoxelBuffer> import_on_grid(const fs::path& file, const std::string& role, const std::string& item) {
+    SPLATLAS_ASSIGN_OR_RETURN(Image image, import_image(file, {.spacing_mm = files_.spacing_mm}, notes_));
     if (model_.source_grid.voxels() == 0) model_.source_grid = image.grid;
     if (!have_same_voxels(model_.source_grid, image.grid)) {
       if (!(overlap(image.grid, model_.source_grid) > 0))
-        return bad_file(rule.mask, "lies outside the grid of the other files");
-      notes_.add("resampled-segment-masks", rule.name);
+        return bad_file(file, "lies outside the grid of the other files");
+      notes_.add("resampled-segment-masks", item);
       image.voxels = resample_nearest(image, model_.source_grid);
       image.grid = model_.source_grid;
     }
-    SPLATLAS_RETURN_IF_ERROR(remember("segment", rule.mask));
-    const VoxelBuffer stored = to_storage_order(std::move(image.voxels), image.grid);
-    return mask_of(stored);
+    SPLATLAS_RETURN_IF_ERROR(remember(role, file));
+    return to_storage_order(std::move(image.voxels), image.grid);
   }
 
   Result<void> import_meshes() {
@@ -336,22 +337,38 @@ Result<SourceFiles> without_folders(SourceFiles files) {
     files.meshes.insert(files.meshes.end(), surfaces.begin(), surfaces.end());
   }
   if (is_brainglobe_folder(files.volume)) files.volume /= "reference.tiff";
-  if (!is_brainglobe_folder(files.labels)) return files;
-  if (files.names.empty()) files.names = files.labels / "structures.json";
-  files.labels /= "annotation.tiff";
+  const auto open_labels = [&files](fs::path& labels) {
+    if (!is_brainglobe_folder(labels)) return;
+    if (files.names.empty()) files.names = labels / "structures.json";
+    labels /= "annotation.tiff";
+  };
+  open_labels(files.labels);
+  for (LabelsFile& more : files.more_labels) open_labels(more.file);
   return files;
 }
 
 }  // namespace
 
+LabelsFile parse_labels(const std::string& text) {
+  std::error_code error;
+  const std::size_t equals = text.find_first_of("=/");
+  if (fs::exists(text, error) || equals == 0 || equals == std::string::npos || text[equals] == '/')
+    return {"", text};
+  return {std::string(trimmed(text.substr(0, equals))), text.substr(equals + 1)};
+}
+
 Result<SourceModel> import_sources(const SourceFiles& files, Notes& notes,
                                    const std::function<void(double)>& progress) {
   if (files.labels.empty() && files.segments.empty() && files.meshes.empty())
     return fail(ErrorCode::kUsage, "no structures: give --labels, a --segment or a --mesh");
+  const auto lacks_name = [&files](const LabelsFile& more) {
+    return more.file.empty() || more.group.empty() || files.labels_group.empty();
+  };
+  if (const auto one = std::ranges::find_if(files.more_labels, lacks_name); one != files.more_labels.end())
+    return fail(ErrorCode::kUsage, "--labels {}: one of several label maps must be NAME=FILE",
+                in_quotes((files.labels_group.empty() ? files.labels : one->file).string()));
   if (!files.names.empty() && files.labels.empty() && files.meshes.empty())
     return fail(ErrorCode::kUsage, "--names needs --labels or a --mesh");
-  if (files.labels.empty() && !files.colors.empty())
-    return fail(ErrorCode::kUsage, "--colors needs --labels");
   SPLATLAS_ASSIGN_OR_RETURN(const SourceFiles single, without_folders(files));
   return SourceImporter(single, notes, progress).import();
 }

@@ -15,7 +15,6 @@
 #include "preprocess/import/meshes/place_mesh.h"
 #include "preprocess/import/notes.h"
 #include "preprocess/import/tables/names_table.h"
-#include "preprocess/structures/build_graph.h"
 #include "preprocess/surfaces/clip_mesh.h"
 
 namespace splatlas {
@@ -27,10 +26,22 @@ enum class ResampleTo {
   kVolume,  ///< labels are taken from the voxel that lies nearest
 };
 
+/// A label map or a folder of masks.
+struct LabelsFile {
+  std::string group;  ///< that its structures are below; empty for none
+  std::filesystem::path file;
+};
+
+/// Parses FILE or NAME=FILE. A path that exists is a FILE, and a NAME has no "/".
+[[nodiscard]] LabelsFile parse_labels(const std::string& text);
+
 /// Source files from the command line. Empty paths are not given.
 struct SourceFiles {
-  std::filesystem::path labels;  ///< a label map, or a folder of masks
-  std::filesystem::path volume, names, colors, tree;
+  std::filesystem::path labels;         ///< a label map, or a folder of masks
+  std::string labels_group;             ///< as of LabelsFile
+  std::vector<LabelsFile> more_labels;  ///< beside `labels`; then all have groups
+  std::filesystem::path volume, names, tree;
+  std::filesystem::path sides;  ///< image of the sides of labels, or "x=MM"
   std::vector<SegmentRule> segments;
   std::vector<MeshSource> meshes;
   std::vector<std::filesystem::path> scenes;  ///< of read_scenes(); names may not repeat
@@ -78,6 +89,17 @@ void note_size(const SourceModel& model, const MeshSource& source, const Triangl
 /// holds all meshes: background, and the least grey value. Notes it. kLimit beyond 8 times the voxels.
 [[nodiscard]] Result<void> fit_grid(SourceModel& model, std::span<const TriangleMesh> meshes, bool widens,
                                     Notes& notes);
+
+/// Sides of the voxels at the plane x = `x_mm` in LPS: 1 (left) where x is larger, or equal, else 2.
+[[nodiscard]] std::vector<std::uint8_t> sides_of_plane(const Grid& grid, double x_mm);
+/// Sides of an image of 1 (left), 2 (right) and 0, as of BrainGlobe. kFailed, with the value, for others, and
+/// if a side has no voxel. Messages call the image `file`.
+[[nodiscard]] Result<std::vector<std::uint8_t>> sides_of_image(const VoxelBuffer& image,
+                                                               const std::filesystem::path& file);
+/// Moves the voxels of each structure that has 1 % of them or more on both sides to structures "NAME left"
+/// and "NAME right" (SourceStructure::whole). Voxels on no side stay. Notes them, or that there are none.
+void split_sides(SourceModel& model, std::span<const std::uint8_t> sides, const std::string& where,
+                 Notes& notes);
 
 /// Reads and checks the files, all of them even if one fails: the error is the first one, and `notes` has the
 /// others. Masks of segments on other grids are resampled to the nearest voxel. `progress` receives the

@@ -10,6 +10,7 @@
 #include "format/result_macros.h"
 #include "preprocess/import/images/import_image.h"
 #include "preprocess/import/meshes/import_mesh.h"
+#include "preprocess/import/tables/text_file.h"
 #include "preprocess/sources/import_sources.h"
 
 namespace splatlas {
@@ -177,17 +178,11 @@ Result<void> fit_grid(SourceModel& model, std::span<const TriangleMesh> meshes, 
 
 std::vector<std::filesystem::path> list_files(const SourceFiles& files) {
   std::vector<std::filesystem::path> list;
-  std::vector<std::filesystem::path> given{files.labels, files.volume, files.names, files.colors, files.tree};
+  std::vector<std::filesystem::path> given{files.labels, files.volume, files.names, files.tree, files.sides};
+  for (const LabelsFile& more : files.more_labels) given.push_back(more.file);
   for (const MeshSource& mesh : files.meshes) given.insert(given.end(), {mesh.file, mesh.transform});
   for (const std::filesystem::path& path : given) {
-    std::error_code error;
-    if (std::filesystem::is_directory(path, error)) {
-      for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end;
-           entry.increment(error))
-        list.push_back(entry->path());
-    } else if (!path.empty()) {
-      list.push_back(path);
-    }
+    if (!path.empty()) std::ranges::move(regular_files_of(path), std::back_inserter(list));
   }
   for (const SegmentRule& rule : files.segments) {
     if (!rule.mask.empty()) list.push_back(rule.mask);

@@ -11,72 +11,11 @@
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
 #include "preprocess/import/import_error.h"
+#include "preprocess/structures/graph_parts.h"
 #include "preprocess/structures/source_lookup.h"
 
 namespace splatlas {
 namespace {
-
-/// Gives ids from names: "Thalamus", and "Thalamus_2" if that is taken. The order of calls decides.
-class UniqueIds {
- public:
-  std::string claim(const std::string& name) {
-    const std::string base = id_from_name(name);
-    std::string id = base;
-    int& number = next_number_[to_lower(base)];
-    if (number == 0) number = 2;
-    while (!taken_.insert(to_lower(id)).second) id = fmt::format("{}_{}", base, number++);
-    return id;
-  }
-
- private:
-  std::unordered_set<std::string> taken_;
-  std::unordered_map<std::string, int> next_number_;
-};
-
-/// Numbers sources and groups by their first use, and collects their parents.
-class GraphParts {
- public:
-  GraphParts(const StructureGraph& flat, UniqueIds& ids)
-      : flat_(flat), ids_(ids), index_of_source_(flat.size(), kNoStructure) {}
-
-  /// The structure of a source, placed at its first use.
-  StructureIndex place_source(StructureIndex source) {
-    StructureIndex& index = index_of_source_[source];
-    if (index != kNoStructure) return index;
-    index = static_cast<StructureIndex>(structures_.size());
-    structures_.push_back(flat_[source]);
-    return index;
-  }
-
-  StructureIndex add_group(const std::string& name) {
-    Structure group;
-    group.id = ids_.claim(name);
-    group.name = name;
-    group.color = default_color(structures_.size());
-    structures_.push_back(std::move(group));
-    return static_cast<StructureIndex>(structures_.size() - 1);
-  }
-
-  void add_parent(StructureIndex child, StructureIndex parent) {
-    std::vector<StructureIndex>& parents = structures_[child].parents;
-    if (parent == kNoStructure || std::find(parents.begin(), parents.end(), parent) != parents.end()) return;
-    parents.push_back(parent);
-  }
-
-  void set_color(StructureIndex structure, Rgb color) { structures_[structure].color = color; }
-
-  /// Places the sources that no line mentions. The structures and [source number]: structure.
-  std::pair<std::vector<Structure>, std::vector<StructureIndex>> finish() {
-    for (StructureIndex n = 0; n < index_of_source_.size(); ++n) place_source(n);
-    return {std::move(structures_), std::move(index_of_source_)};
-  }
-
- private:
-  const StructureGraph& flat_;
-  UniqueIds& ids_;
-  std::vector<Structure> structures_;
-  std::vector<StructureIndex> index_of_source_;
-};
 
 struct Node {
   StructureIndex source = kNoStructure;
@@ -108,7 +47,8 @@ class NodePlacer {
     return fits;
   }
 
-  void place(GraphParts& parts) {
+  /// Roots go below `group`, if there is one.
+  void place(GraphParts& parts, StructureIndex group) {
     std::vector<StructureIndex> index_of_node(nodes_.size(), kNoStructure);
     for (std::size_t n = 0; n < nodes_.size(); ++n) {
       const TreeLine& line = lines_[n];
@@ -117,7 +57,8 @@ class NodePlacer {
         continue;
       }
       const bool is_group = nodes_[n].source == kNoStructure;
-      index_of_node[n] = is_group ? parts.add_group(line.node->name) : parts.place_source(nodes_[n].source);
+      index_of_node[n] =
+          is_group ? parts.add_group(line.node->name, group) : parts.place_source(nodes_[n].source);
       const bool has_color = !is_group && sources_.has_color(nodes_[n].source);
       if (line.color && !has_color) parts.set_color(index_of_node[n], line.color->first);
     }
@@ -127,6 +68,7 @@ class NodePlacer {
         if (index_of_node[parent] != index_of_node[n])
           parts.add_parent(index_of_node[n], index_of_node[parent]);
       }
+      if (!parts.has_parent(index_of_node[n])) parts.add_parent(index_of_node[n], group);
     }
   }
 
@@ -213,12 +155,12 @@ class NodePlacer {
   std::unordered_set<StructureIndex> taken_;
 };
 
-/// Places structures by the nodes with their labels, or else their names. Nodes without a structure are
-/// groups if a structure is below them; otherwise they are left out and counted as a note, as are parents
-/// that do not exist and edges that close a circle. kFailed if no node fits. Linear in nodes and parents.
+/// Places structures by the nodes with their labels, or else their names, below `group`. Nodes without a
+/// structure are groups if a structure is below them; otherwise they are left out and counted as a note, as
+/// are parents that do not exist and edges that close a circle. kFailed if no node fits. Linear in nodes and
+/// parents.
 Result<void> place_nodes(std::span<const TreeLine> lines, const std::string& file,
-                         const SourceLookup& sources, GraphParts& parts, Notes& notes) {
-  if (lines.empty()) return {};
+                         const SourceLookup& sources, StructureIndex group, GraphParts& parts, Notes& notes) {
   NodePlacer placer(lines, sources, notes);
   if (!placer.resolve()) {
     return bad_file(
@@ -227,7 +169,7 @@ Result<void> place_nodes(std::span<const TreeLine> lines, const std::string& fil
         "belongs to these labels",
         lines.size(), in_quotes(lines.front().node->name));
   }
-  placer.place(parts);
+  placer.place(parts, group);
   return {};
 }
 
@@ -246,6 +188,9 @@ class PathPlacer {
  public:
   PathPlacer(const SourceLookup& sources, GraphParts& parts, Notes& notes)
       : sources_(sources), parts_(parts), notes_(notes) {}
+
+  /// The root group of this name.
+  StructureIndex root(const std::string& name) { return place_group(child_of(kNoGroup, name, true)); }
 
   /// Places all lines. Lines that fit no structure are counted as notes. kFailed, with the line, for
   /// malformed lists of codes, and if lines name members and none fits. Messages call the tree file `file`.
@@ -364,7 +309,7 @@ Result<StructureGraph> graph_of_sources(std::span<const SourceStructure> sources
   std::vector<Structure> structures;
   for (const SourceStructure& source : sources) {
     Structure structure;
-    structure.id = ids.claim(source.name);
+    structure.id = ids.claim(source.group.empty() ? source.name : source.group + " " + source.name);
     structure.name = source.name;
     structure.color = source.color.value_or(default_color(structures.size()));
     structure.label = source.label;
@@ -387,8 +332,27 @@ Result<PlacedStructures> build_graph(std::span<const SourceStructure> sources,
   std::vector<TreeLine> nodes;
   for (const TreeLine& line : lines) (line.node ? nodes : paths).push_back(line);
   PathPlacer path_placer(lookup, parts, notes);
+  std::vector<std::string> groups;  // of label maps; "" for none
+  for (const SourceStructure& source : sources) {
+    if (std::ranges::find(groups, source.group) == groups.end()) groups.push_back(source.group);
+  }
+  const auto root = [&](const std::string& group) {
+    return group.empty() ? kNoStructure : path_placer.root(group);
+  };
+  for (const std::string& group : groups) root(group);
   SPLATLAS_RETURN_IF_ERROR(path_placer.place(paths, file));
-  SPLATLAS_RETURN_IF_ERROR(place_nodes(nodes, file, lookup, parts, notes));
+  for (const std::string& group : groups) {
+    if (nodes.empty() || (group.empty() && groups.size() > 1)) continue;  // beside label maps
+    const SourceLookup of_group(sources, lookup.flat(), &group);
+    SPLATLAS_RETURN_IF_ERROR(place_nodes(nodes, file, of_group, root(group), parts, notes));
+  }
+  for (StructureIndex n = 0; n < sources.size(); ++n) {
+    const StructureIndex index = parts.place_source(n);
+    if (sources[n].whole) {
+      parts.add_side(index, parts.place_source(*sources[n].whole));
+    } else if (nodes.empty() || !parts.has_parent(index))
+      parts.add_parent(index, root(sources[n].group));
+  }
   auto [structures, index_of_source] = parts.finish();
   Result<StructureGraph> graph = StructureGraph::build(std::move(structures));
   if (!graph) return bad_file(file, "{}", graph.error().message);

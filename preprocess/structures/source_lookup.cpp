@@ -26,11 +26,13 @@ std::optional<StructureIndex> find_only(const Map& map, const Key& key) {
 
 }  // namespace
 
-SourceLookup::SourceLookup(std::span<const SourceStructure> sources, StructureGraph flat)
+SourceLookup::SourceLookup(std::span<const SourceStructure> sources, StructureGraph flat,
+                           const std::string* group)
     : sources_(sources), flat_(std::move(flat)) {
   for (StructureIndex n = 0; n < sources_.size(); ++n) {
     ids_.push_back(to_lower(flat_[n].id));
     names_.push_back(to_lower(sources_[n].name));
+    if (sources_[n].whole || (group != nullptr && sources_[n].group != *group)) continue;
     source_of_id_.emplace(ids_[n], n);
     add_or_mark(source_of_name_, names_[n], n);
     if (sources_[n].label) add_or_mark(source_of_label_, *sources_[n].label, n);
@@ -70,7 +72,7 @@ Result<std::vector<StructureIndex>> SourceLookup::matching_one(std::string_view 
     const auto filter = [&](const auto& fits_source) {
       std::vector<StructureIndex> found;
       for (StructureIndex n = 0; n < sources_.size(); ++n) {
-        if (fits_source(n)) found.push_back(n);
+        if (!sources_[n].whole && fits_source(n)) found.push_back(n);
       }
       return found;
     };

@@ -16,8 +16,10 @@ namespace splatlas {
 /// Finds sources, by number. Refers to `sources`. Finds names, ids and terms by hash, patterns by a pass.
 class SourceLookup {
  public:
-  /// `flat`: the sources as roots of a graph, with their ids.
-  SourceLookup(std::span<const SourceStructure> sources, StructureGraph flat);
+  /// `flat`: the sources as roots of a graph, with their ids. With `group`, finds only sources of this group.
+  /// Sides of others are not found.
+  SourceLookup(std::span<const SourceStructure> sources, StructureGraph flat,
+               const std::string* group = nullptr);
 
   [[nodiscard]] const StructureGraph& flat() const { return flat_; }
   /// The only source with this id, or else with this name. Nullopt for patterns.

@@ -8,7 +8,7 @@
 #include "format/file/fitted_content.h"
 #include "format/result_macros.h"
 #include "format/tasks/thread_pool.h"
-#include "preprocess/import/meshes/quiet_vtk.h"
+#include "preprocess/import/quiet_vtk.h"
 #include "preprocess/surfaces/thick_slices.h"
 #include "preprocess/surfaces/vtk_surface.h"
 

@@ -18,7 +18,7 @@
 
 #include "format/derive/fit_surface.h"
 #include "format/result_macros.h"
-#include "preprocess/import/meshes/quiet_vtk.h"
+#include "preprocess/import/quiet_vtk.h"
 
 namespace splatlas {
 namespace {

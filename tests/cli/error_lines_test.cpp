@@ -43,7 +43,6 @@ struct ErrorLines : testing::Test {
     write_bytes(folder.file("tab.txt"), "1 a?\tb\n");
     write_bytes(folder.file("bad.tree"), "A/*/x\n");
     write_bytes(folder.file("none.tree"), "A/Nothing\n");
-    write_bytes(folder.file("short.lut"), "abc");
     fs::create_directory(folder.file("full"));
     write_bytes(folder.file("full/file"), "kept");
   }
@@ -269,7 +268,6 @@ TEST_F(ErrorLines, OfBuild) {
           "\"a??b\" holds a tab as character 3");
   refuses({"--tree", "bad.tree"}, "bad.tree: line 1", "pattern");
   refuses({"--tree", "none.tree"}, "none.tree: line 1", "the nearest: ");
-  refuses({"--colors", "short.lut"}, "short.lut: ", "768 bytes");
   refuses({"--mesh", "S"}, "--mesh \"S\"", "NAME=FILE", 2);
   refuses({"--mesh", "S=missing.stl"}, "missing.stl: ", "no such file");
   refuses({"--mesh", "S=bad.stl"}, "bad.stl: ", "STL");

@@ -49,12 +49,9 @@ bool is_mgh(const fs::path& path) {
 
 /// True for a folder with image files of other kinds at its top: a folder of masks.
 bool holds_image_files(const fs::path& folder) {
-  std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    const fs::path& file = entry->path();
-    if (is_nifti(file) || is_nrrd(file) || is_meta_image(file) || is_mgh(file)) return true;
-  }
-  return false;
+  return std::ranges::any_of(visible_files(folder), [](const fs::path& file) {
+    return is_nifti(file) || is_nrrd(file) || is_meta_image(file) || is_mgh(file);
+  });
 }
 
 bool is_dicom_source(const fs::path& path) {
@@ -64,11 +61,7 @@ bool is_dicom_source(const fs::path& path) {
 /// A folder is a stack if it holds pictures, and no other images, which may have previews beside them.
 bool is_picture_stack(const fs::path& path) {
   if (!is_folder(path)) return is_picture(path);
-  bool has_pictures = false;
-  std::error_code error;
-  for (fs::directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error))
-    has_pictures = has_pictures || is_picture(entry->path());
-  return has_pictures && !holds_image_files(path);
+  return std::ranges::any_of(visible_files(path), is_picture) && !holds_image_files(path);
 }
 
 /// In the order in which they are tried.

@@ -9,7 +9,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
-#include <exception>
 #include <new>
 
 #include <fcntl.h>
@@ -24,6 +23,7 @@
 
 #include "format/io/memory_limit.h"
 #include "preprocess/import/import_error.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {
@@ -41,23 +41,12 @@ static_assert(std::atomic<std::uint32_t>::is_always_lock_free);
 
 Shared* shared_of_this_child = nullptr;
 
-/// Anonymous memory that both processes see.
-class SharedPage {
- public:
-  SharedPage()
-      : at_(::mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0)) {
-    if (at_ != MAP_FAILED) new (at_) Shared;
-  }
-  ~SharedPage() {
-    if (at_ != MAP_FAILED) ::munmap(at_, sizeof(Shared));
-  }
-  SharedPage(const SharedPage&) = delete;
-  SharedPage& operator=(const SharedPage&) = delete;
-  [[nodiscard]] Shared* get() const { return at_ == MAP_FAILED ? nullptr : static_cast<Shared*>(at_); }
-
- private:
-  void* at_;
-};
+/// Anonymous memory that both processes see; null if there is none.
+auto make_shared_page() {
+  void* const at = ::mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  const auto unmap = [](Shared* page) { ::munmap(page, sizeof(Shared)); };
+  return std::unique_ptr<Shared, decltype(unmap)>(at == MAP_FAILED ? nullptr : new (at) Shared);
+}
 
 constexpr bool kSanitized =
 #ifdef SPLATLAS_SANITIZED
@@ -202,17 +191,11 @@ Result<void> check_end(int status, Overrun overrun, const ChildLimits& limits, c
 }  // namespace
 
 ChildLimits limits_for(const fs::path& path) {
-  std::error_code error;
   std::uint64_t bytes = 0;
-  if (fs::is_directory(path, error)) {
-    for (fs::recursive_directory_iterator entry(path, error), end; !error && entry != end;
-         entry.increment(error)) {
-      std::error_code unreadable;
-      const auto size = entry->file_size(unreadable);
-      if (!unreadable) bytes += size;
-    }
-  } else if (const auto size = fs::file_size(path, error); !error) {
-    bytes = size;
+  for (const fs::path& file : regular_files_of(path)) {
+    std::error_code unreadable;
+    const auto size = fs::file_size(file, unreadable);
+    if (!unreadable) bytes += size;
   }
   constexpr std::uint64_t kFloor = std::uint64_t{512} << 20,
                           kPerByte = 3300;  // three copies, deflated 1100 times
@@ -234,9 +217,9 @@ void report_child_progress(const fs::path& file) {
 Result<ChildAnswer> run_child(const fs::path& path, const ChildLimits& limits,
                               const std::function<bool(std::FILE* file)>& answer) {
   const WaitableChildren waitable;
-  const SharedPage page;
+  const auto page = make_shared_page();
   ChildAnswer file(::fdopen(::memfd_create("answer", MFD_CLOEXEC), "w+b"));
-  if (page.get() == nullptr || file == nullptr)
+  if (page == nullptr || file == nullptr)
     return fail(ErrorCode::kLimit, "{}: no memory is left to read it", path.string());
   std::fflush(nullptr);  // else both processes write what is buffered
   const pid_t parent = ::getpid(), child = ::fork();

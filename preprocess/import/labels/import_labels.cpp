@@ -93,9 +93,11 @@ std::uint64_t count_voxels(const VoxelBuffer& voxels) {
       std::ranges::count_if(mask_of(voxels), [](std::uint8_t in) { return in != 0; }));
 }
 
-/// The grid that most files have. Reads all of them: only for folders where they differ.
-Result<Grid> most_frequent_grid(const std::vector<fs::path>& files) {
+/// The grid that holds all files, if they lie on one lattice; else the one that most of them have. Reads all
+/// of them: only for folders where they differ.
+Result<Grid> common_grid(const std::vector<fs::path>& files) {
   std::vector<std::pair<Grid, std::size_t>> grids;
+  std::optional<Grid> whole;
   for (const fs::path& file : files) {
     SPLATLAS_ASSIGN_OR_RETURN(const Image image, import_image(file));
     const auto known =
@@ -103,9 +105,11 @@ Result<Grid> most_frequent_grid(const std::vector<fs::path>& files) {
     if (known != grids.end()) {
       ++known->second;
     } else {
+      whole = grids.empty() ? image.grid : whole ? union_of(*whole, image.grid) : std::nullopt;
       grids.emplace_back(image.grid, 1);
     }
   }
+  if (whole) return *whole;
   return std::ranges::max_element(grids, {}, [](const auto& one) { return one.second; })->first;
 }
 
@@ -152,12 +156,15 @@ class MaskFolder {
     if (const auto [other, is_new] = file_of_name_.emplace(name_key(name), file); !is_new)
       return bad_file(file, "names the same structure as {}", other->second.string());
     if (kind == MaskKind::kSeveralValues) labels_.notes.add("masks-with-several-values", name);
-    const bool is_resampled = !have_same_voxels(labels_.source_grid, image.grid);
+    const std::optional<Margin> lacking = margin_around(labels_.source_grid, image.grid);
+    const bool is_resampled = !lacking || !lacking->empty();
     ResampledStructure sizes;
     sizes.name = name;
     if (is_resampled) {
       sizes.voxels_before = count_voxels(image.voxels);
       sizes.ml_before = static_cast<double>(sizes.voxels_before) * voxel_volume_mm3(image.grid) / 1000;
+    }
+    if (!have_same_voxels(labels_.source_grid, image.grid)) {
       image.voxels = resample_nearest(image, labels_.source_grid);
       image.grid = labels_.source_grid;
     }
@@ -207,7 +214,11 @@ void read_layer(const std::vector<SourceSegment>& segments, std::size_t layer, c
     structures[v] = last;
     if (last != kNoStructure) ++counts[last];
   }
-  labels.memberships.add_each(structures);
+  labels.memberships.combine<StructureIndex>(
+      structures, [](std::vector<StructureIndex> set, StructureIndex structure) {
+        if (structure != kNoStructure) set.insert(std::ranges::lower_bound(set, structure), structure);
+        return set;
+      });
 }
 
 /// Drops structures without voxels; the others keep their order.
@@ -336,9 +347,9 @@ Result<ImportedLabels> import_mask_folder(const fs::path& folder, const std::opt
   if (files.empty()) return bad_file(folder, "holds no mask (.nii.gz, .nrrd, .mha, .mgz, ...)");
   SPLATLAS_ASSIGN_OR_RETURN(ImportedLabels labels, MaskFolder(files).import(grid));
   if (!labels.resampled.empty() && !grid) {
-    SPLATLAS_ASSIGN_OR_RETURN(const Grid frequent, most_frequent_grid(files));
-    if (!have_same_voxels(labels.source_grid, frequent)) {
-      SPLATLAS_ASSIGN_OR_RETURN(labels, MaskFolder(files).import(frequent));
+    SPLATLAS_ASSIGN_OR_RETURN(const Grid common, common_grid(files));
+    if (!have_same_voxels(labels.source_grid, common)) {
+      SPLATLAS_ASSIGN_OR_RETURN(labels, MaskFolder(files).import(common));
     }
   }
   if (labels.structures.empty()) {
@@ -348,6 +359,38 @@ Result<ImportedLabels> import_mask_folder(const fs::path& folder, const std::opt
                     why);
   }
   return labels;
+}
+
+Result<void> add_labels(ImportedLabels others, ImportedLabels& labels) {
+  const std::optional<Grid> whole = union_of(labels.source_grid, others.source_grid);
+  const auto around = whole ? margin_around(labels.source_grid, *whole) : std::nullopt;
+  const auto around_others = whole ? margin_around(others.source_grid, *whole) : std::nullopt;
+  if (!around || !around_others) {
+    const auto same = check_same_grid(labels.source_grid, labels.source, others.source_grid, others.source);
+    return fail(ErrorCode::kFailed, "--labels: {}; several label maps need voxels of one lattice",
+                same ? others.source : same.error().message);
+  }
+  labels.memberships.widen(*around);
+  others.memberships.widen(*around_others);
+  labels.source_grid = *whole;
+  const auto first = static_cast<StructureIndex>(labels.structures.size());
+  labels.memberships.combine(others.memberships.voxels(),
+                             [&](std::vector<StructureIndex> set, MembershipVolume::SetId other) {
+                               for (const StructureIndex s : others.memberships.sets()[other])
+                                 set.push_back(first + s);
+                               return set;
+                             });
+  if (others.type == VoxelType::kNone || labels.type == VoxelType::kNone) {
+    labels.type = VoxelType::kNone;
+  } else if (bytes_of(others.type) > bytes_of(labels.type)) {
+    labels.type = others.type;
+  }
+  std::ranges::move(others.structures, std::back_inserter(labels.structures));
+  std::ranges::move(others.files, std::back_inserter(labels.files));
+  std::ranges::move(others.resampled, std::back_inserter(labels.resampled));
+  if (labels.doubt.empty()) labels.doubt = others.doubt;
+  labels.notes.add(others.notes);
+  return {};
 }
 
 }  // namespace splatlas

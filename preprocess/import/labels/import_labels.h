@@ -27,4 +27,8 @@ namespace splatlas {
 [[nodiscard]] Result<ImportedLabels> import_mask_folder(const std::filesystem::path& folder,
                                                         const std::optional<Grid>& grid = std::nullopt);
 
+/// Adds the structures of another label map. Both move to the smallest grid that holds them; where they
+/// overlap, voxels are in both. kFailed unless the voxels of both lie on one lattice.
+[[nodiscard]] Result<void> add_labels(ImportedLabels others, ImportedLabels& labels);
+
 }  // namespace splatlas

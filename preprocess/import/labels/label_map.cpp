@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <set>
 #include <span>
@@ -36,11 +37,11 @@ std::string shown(const SourceStructure& structure) {
   return structure.label ? fmt::format("{} ({})", structure.name, *structure.label) : structure.name;
 }
 
-/// The nearest label to a voxel value, 0 for NaN; nothing for an invalid one.
+/// The nearest label to a voxel value, 0 for NaN and infinity; nothing for an invalid one.
 template <typename T>
 std::optional<std::uint32_t> label_of(T value) {
   if constexpr (std::is_floating_point_v<T>) {
-    if (std::isnan(value)) return 0;
+    if (!std::isfinite(value)) return 0;
     value = std::round(value);
     if (!(value >= 0 && value < T(4294967296.0))) return std::nullopt;
   } else {
@@ -68,7 +69,8 @@ Result<FoundLabels> find_labels(const VoxelBuffer& image, const std::string& nam
   for (std::size_t v = 0; v < count; ++v) {
     if (const T value = image.as<T>()[v]; !(value == last_value)) {
       const auto label = label_of(value);
-      const double rounded = std::abs(static_cast<double>(value) - static_cast<double>(label.value_or(0)));
+      const auto number = static_cast<double>(value), nearest = static_cast<double>(label.value_or(0));
+      const double rounded = std::isfinite(number) ? std::abs(number - nearest) : 0;
       if (!label || rounded > tolerance) {
         return bad_file(
             name,
@@ -76,13 +78,13 @@ Result<FoundLabels> find_labels(const VoxelBuffer& image, const std::string& nam
             "--volume; {}",
             value, label ? "--as-labels rounds them" : "labels cannot be negative or larger");
       }
-      found.most_rounded = std::max(found.most_rounded, rounded);  // NaN stays out
+      found.most_rounded = std::max(found.most_rounded, rounded);
       const auto [entry, is_new] = set_of_label.emplace(*label, static_cast<SetId>(set_of_label.size()));
       if (is_new) found.labels.push_back(*label);
       last_set = entry->second;
       last_value = value;
     }
-    if constexpr (std::is_floating_point_v<T>) found.nans += std::isnan(image.as<T>()[v]) ? 1 : 0;
+    if constexpr (std::is_floating_point_v<T>) found.nans += std::isfinite(image.as<T>()[v]) ? 0 : 1;
     found.voxels[v] = last_set;
   }
   return found;
@@ -99,7 +101,7 @@ void note_rounding(const FoundLabels& found, VoxelType type, const std::string& 
 
 /// Grey values: neighbours along a row mostly differ, or values have few voxels each. Neither holds for label
 /// maps, even with voxels of 8 mm.
-std::string doubt_about(const FoundLabels& found, const Index3& size) {
+std::string doubt_about(const FoundLabels& found, const Index3& size, const std::string& name) {
   constexpr std::size_t kMinValues = 64;
   constexpr double kMaxEqual = 0.4;
   constexpr std::uint64_t kMinVoxelsEach = 8;  // of a label, in the mean
@@ -115,10 +117,10 @@ std::string doubt_about(const FoundLabels& found, const Index3& size) {
   const double fraction = pairs > 0 ? static_cast<double>(equal) / static_cast<double>(pairs) : 1;
   if (fraction >= kMaxEqual && inside >= kMinVoxelsEach * found.labels.size()) return {};
   return fmt::format(
-      "looks like grey values, not labels: {} values in {} voxels, and {:.0f} % of neighbours are equal; "
+      "{}: looks like grey values, not labels: {} values in {} voxels, and {:.0f} % of neighbours are equal; "
       "give it as "
       "--volume, and make structures of it by --segment; names for all labels or --as-labels overrule this",
-      found.labels.size(), inside, 100 * fraction);
+      name, found.labels.size(), inside, 100 * fraction);
 }
 
 /// Names of the file itself.
@@ -186,9 +188,9 @@ bool is_background(std::string_view name) {
 void note_shared(ImportedLabels& labels) {
   std::map<std::string, int> names, colors;
   for (const SourceStructure& structure : labels.structures) {
-    if (++names[name_key(structure.name)] == 2)
+    if (++names[structure.group + '/' + name_key(structure.name)] == 2)
       labels.notes.add("duplicate-names", in_quotes(structure.name));
-    if (structure.color && ++colors[to_hex(*structure.color)] == 2)
+    if (structure.color && ++colors[structure.group + to_hex(*structure.color)] == 2)
       labels.notes.add("duplicate-colors", to_hex(*structure.color));
   }
 }
@@ -197,7 +199,7 @@ void note_shared(ImportedLabels& labels) {
 
 Result<void> check_doubt(const ImportedLabels& labels) {
   const bool is_named = std::ranges::none_of(labels.structures, has_default_name);
-  return labels.doubt.empty() || is_named ? Result<void>() : bad_file(labels.source, "{}", labels.doubt);
+  return labels.doubt.empty() || is_named ? Result<void>() : fail(ErrorCode::kFailed, "{}", labels.doubt);
 }
 
 Result<ImportedLabels> read_label_map(SourceImage image, const std::string& name, bool as_labels) {
@@ -218,9 +220,10 @@ Result<ImportedLabels> read_label_map(SourceImage image, const std::string& name
       visit_voxel_type(stored.type, [&]<typename T>(T) { return find_labels<T>(stored, name, tolerance); });
   if (!found) return tl::unexpected(found.error());
   note_rounding(*found, stored.type, name, result.notes);
-  if (!as_labels) result.doubt = doubt_about(*found, size);
+  if (!as_labels) result.doubt = doubt_about(*found, size, name);
   constexpr std::size_t kMaxDoubted = 65536;
-  if (!result.doubt.empty() && found->labels.size() > kMaxDoubted) return bad_file(name, "{}", result.doubt);
+  if (!result.doubt.empty() && found->labels.size() > kMaxDoubted)
+    return fail(ErrorCode::kFailed, "{}", result.doubt);
 
   std::vector<std::uint32_t> sorted = found->labels;
   std::sort(sorted.begin(), sorted.end());
@@ -244,24 +247,30 @@ Result<void> name_labels(ImportedLabels& labels, NamesTable table, bool keeps_em
   drop_groups(table, labels.structures);
   drop_lost(table, labels.resampled);
   std::vector<LabelName>& names = table.names;
-  std::map<std::int64_t, SourceStructure*> unnamed;
-  std::map<std::string, SourceStructure*> by_name;  // masks, and labels that the file itself names
+  std::multimap<std::int64_t, SourceStructure*> unnamed;
+  std::multimap<std::string, SourceStructure*> by_name;  // masks, and labels that the file itself names
   for (SourceStructure& structure : labels.structures) {
     if (structure.label) unnamed.emplace(*structure.label, &structure);
     if (!has_default_name(structure)) by_name.emplace(name_key(structure.name), &structure);
   }
   std::vector<SourceStructure> empty;
   std::vector<std::string> unused;
+  const auto rename = [](const auto& range, const SourceStructure& name) {
+    for (auto found = range.first; found != range.second; ++found) {
+      SourceStructure& structure = *found->second;
+      const auto [label, group] = std::pair(structure.label, structure.group);
+      structure = name;
+      structure.label = label;
+      structure.group = group;
+    }
+    return range.first != range.second;
+  };
   for (LabelName& name : names) {
-    const auto found = name.label ? unnamed.find(*name.label) : unnamed.end();
-    auto same_name = by_name.find(name_key(name.name));
-    if (same_name == by_name.end() && !name.key.empty()) same_name = by_name.find(name_key(name.key));
-    if (found != unnamed.end()) {
-      *found->second = std::move(name);
-      unnamed.erase(found);
-    } else if (same_name != by_name.end()) {
-      name.label = same_name->second->label;
-      *same_name->second = std::move(name);
+    const auto keyed = [&](const std::string& key) { return by_name.equal_range(name_key(key)); };
+    if (name.label && rename(unnamed.equal_range(*name.label), name)) {
+      unnamed.erase(*name.label);
+    } else if (rename(keyed(name.name), name) || (!name.key.empty() && rename(keyed(name.key), name))) {
+      continue;
     } else if (keeps_empty && name.label) {
       empty.push_back(std::move(name));
     } else {
@@ -285,6 +294,30 @@ Result<void> name_labels(ImportedLabels& labels, NamesTable table, bool keeps_em
   std::ranges::stable_sort(empty, {}, [](const SourceStructure& structure) { return *structure.label; });
   labels.structures.insert(labels.structures.end(), empty.begin(), empty.end());
   return {};
+}
+
+void note_resampled(const ImportedLabels& labels, std::span<const LabelName> names, Notes& notes) {
+  std::map<std::int64_t, std::string> name_of_label;
+  for (const LabelName& name : names) {
+    if (name.label) name_of_label.emplace(*name.label, name.name);
+  }
+  std::vector<ResampledStructure> resampled = labels.resampled;
+  std::ranges::stable_sort(resampled, std::greater{}, [](const ResampledStructure& sizes) {
+    return std::abs(sizes.ml_after - sizes.ml_before) / sizes.ml_before;
+  });
+  for (const ResampledStructure& sizes : resampled) {
+    const auto named = name_of_label.find(sizes.label.value_or(0));
+    const std::string& name = named != name_of_label.end() ? named->second : sizes.name;
+    if (sizes.voxels_after == 0) {
+      notes.add("lost-structures",
+                fmt::format("{} ({} voxels, {:.4g} ml)", name, sizes.voxels_before, sizes.ml_before));
+    } else if (sizes.voxels_before != sizes.voxels_after || sizes.ml_before < sizes.ml_after ||
+               sizes.ml_before > sizes.ml_after) {
+      notes.add("resampled-structures",
+                fmt::format("{} ({} voxels, {:.4g} ml, become {} voxels, {:.4g} ml)", name,
+                            sizes.voxels_before, sizes.ml_before, sizes.voxels_after, sizes.ml_after));
+    }
+  }
 }
 
 }  // namespace splatlas

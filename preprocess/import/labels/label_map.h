@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -33,15 +34,15 @@ struct ImportedLabels {
   std::vector<SourceStructure> structures;
   std::vector<std::filesystem::path> files;   ///< the files read, in a fixed order
   std::vector<ResampledStructure> resampled;  ///< import_sources() notes them, under their final names
-  std::string doubt;  ///< why they look like grey values; names for all of them overrule it
+  std::string doubt;  ///< which file looks like grey values, and why; names for all labels overrule it
   Notes notes;
 };
 
 /// Every value above 0 is a structure: named by the file's segments, else "Label 7". `name` stands for the
 /// file in messages. Values within 1e-3 of a whole number are rounded, with `as_labels` all of them, and NaN
-/// is background, each with a note. Doubts grey values: at least 64 values of which neighbours mostly differ.
-/// kFailed, with the value, for labels that are negative, fractional, or 2^32 and above, and for several
-/// layers.
+/// and infinity are background, each with a note. Doubts grey values: at least 64 values of which neighbours
+/// mostly differ. kFailed, with the value, for labels that are negative, fractional, or 2^32 and above, and
+/// for several layers.
 [[nodiscard]] Result<ImportedLabels> read_label_map(SourceImage image, const std::string& name,
                                                     bool as_labels = false);
 
@@ -49,6 +50,10 @@ struct ImportedLabels {
 /// count labels without a name, shared names and colours, and names without voxels; those are dropped, or
 /// become empty structures with `keeps_empty`. kFailed, with the first, if no name fits a structure.
 [[nodiscard]] Result<void> name_labels(ImportedLabels& labels, NamesTable table, bool keeps_empty);
+
+/// Notes voxels and volumes of each structure before and after resampling, the largest relative change first.
+/// Structures have the `names` of the table.
+void note_resampled(const ImportedLabels& labels, std::span<const LabelName> names, Notes& notes);
 
 /// kFailed, with the doubt, if labels look like grey values and one has no name.
 [[nodiscard]] Result<void> check_doubt(const ImportedLabels& labels);

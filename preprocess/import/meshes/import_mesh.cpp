@@ -28,7 +28,7 @@
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/isolation/run_isolated.h"
 #include "preprocess/import/meshes/polygon_readers.h"
-#include "preprocess/import/meshes/quiet_vtk.h"
+#include "preprocess/import/quiet_vtk.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

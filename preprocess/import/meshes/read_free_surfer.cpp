@@ -18,11 +18,13 @@ namespace {
 /// points are in the scanner's frame already (tag 2, useRealRAS, is 1), or the volume is not valid.
 Vec3 centre_in(std::string_view footer) {
   if (footer.starts_with(std::string_view("\0\0\0\2\0\0\0\1", 8))) return {};
-  if (!cut_between(footer, "valid = 1", "\n")) return {};
-  const std::vector<std::string_view> words = split_blanks(cut_between(footer, "cras", "\n").value_or(""));
+  const std::size_t at = footer.find("cras", footer.find("valid = 1"));
+  if (at == std::string_view::npos) return {};
+  const std::vector<std::string_view> words =
+      split_blanks(footer.substr(at, footer.find('\n', at) - at));  // cras = R A S
   Vec3 centre{};
-  for (std::size_t a = 0; a < 3 && words.size() == 4; ++a)
-    centre[a] = parse_number(words[a + 1]).value_or(NAN);
+  for (std::size_t a = 0; a < 3 && words.size() == 5; ++a)
+    centre[a] = parse_number(words[a + 2]).value_or(NAN);
   return centre;
 }
 

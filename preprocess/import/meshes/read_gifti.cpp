@@ -6,14 +6,13 @@
 #include <vector>
 
 #include <vtkBase64Utilities.h>
-#include <vtkXMLDataElement.h>
 #include <vtkXMLUtilities.h>
 #include <zlib.h>
 
 #include "format/result_macros.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/meshes/polygon_readers.h"
-#include "preprocess/import/meshes/quiet_vtk.h"
+#include "preprocess/import/quiet_vtk.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
@@ -21,16 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string attribute(vtkXMLDataElement& element, const char* name) {
-  const char* const value = element.GetAttribute(name);
-  return value != nullptr ? value : "";
-}
-
 /// The text of a nested element; empty if there is none.
 std::string text_in(vtkXMLDataElement& element, const char* name) {
-  vtkXMLDataElement* const nested = element.FindNestedElementWithName(name);
-  const char* const text = nested != nullptr ? nested->GetCharacterData() : nullptr;
-  return text != nullptr ? std::string(trimmed(text)) : "";
+  return text_of(element.FindNestedElementWithName(name));
 }
 
 /// Bytes of base64, inflated if the encoding says so; nothing if they are not `count`.

@@ -1,7 +1,6 @@
 // Structures of sources, the content of names files and trees, and the reader of names.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -30,7 +29,9 @@ struct SourceStructure {
   std::optional<std::int64_t> code;  ///< of the region, such as AAL's third column
   std::optional<Rgb> color;
   bool external = false;
-  std::vector<Term> terms;  ///< in the order of the source
+  std::vector<Term> terms;                   ///< in the order of the source
+  std::string group;                         ///< of its label map: a root that it is below; empty for none
+  std::optional<StructureIndex> whole = {};  ///< source number of the structure that it is a side of
 };
 
 /// Colours interpolated linearly over the structures of a line; both are equal for a single colour.
@@ -105,9 +106,5 @@ struct NamesTable {
 /// or if no row is usable; the message tells the first fault. Cost: linear in the file, at most 16 MiB.
 [[nodiscard]] Result<NamesTable> read_names(const std::filesystem::path& path, NamesFormat format,
                                             Notes& notes);
-
-/// Reads a colour table of 768 bytes (MRIcron's .lut: 256 reds, 256 greens, 256 blues), indexed by label.
-/// kFailed for any other length.
-[[nodiscard]] Result<std::array<Rgb, 256>> read_color_table(const std::filesystem::path& path);
 
 }  // namespace splatlas

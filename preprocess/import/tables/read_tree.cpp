@@ -95,7 +95,7 @@ struct TreeDialect {
 
 /// Detection takes the first that fits; the last fits all.
 constexpr TreeDialect kTreeDialects[] = {
-    {"JSON tree", recognise_json_map, read_json_tree},
+    {"JSON tree", [](std::string_view head) { return kJsonNames.recognise(head); }, read_json_tree},
     {"table of parents or paths", recognise_table_tree, read_table_tree},
     {"tree file", [](std::string_view) { return true; }, read_path_tree},
 };

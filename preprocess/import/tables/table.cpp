@@ -123,7 +123,7 @@ bool are_texts(const std::vector<std::string>& values) {
 /// the only one that counts from 1.
 void find_by_values(const Table& table, ColumnRole role, bool (*fits)(const std::vector<std::string>& values),
                     std::vector<Column>& columns) {
-  if (find_column(columns, role) != std::string::npos) return;
+  if (has_column(columns, role)) return;
   std::vector<std::size_t> found;
   for (std::size_t n = 0; n < columns.size(); ++n) {
     const bool may_be = columns[n].role == ColumnRole::kUnknown ||
@@ -295,7 +295,7 @@ std::size_t find_column(std::span<const Column> columns, ColumnRole role) {
 std::vector<Column> columns_of(const Table& table) {
   std::vector<Column> columns;
   for (const std::string& name : table.columns) columns.push_back(column_of(name));
-  if (find_column(columns, ColumnRole::kName) == std::string::npos) {  // "index,label": the label is a name
+  if (!has_column(columns, ColumnRole::kName)) {  // "index,label": the label is a name
     for (std::size_t n = 0; n < columns.size(); ++n) {
       if (columns[n].role == ColumnRole::kLabel && are_texts(values_of(table, n)))
         columns[n].role = ColumnRole::kName;
@@ -316,18 +316,17 @@ std::vector<Column> columns_of(const Table& table) {
       if (static_cast<int>(columns[n].role) == role && n != best) columns[n].role = ColumnRole::kUnknown;
     }
   }
-  const bool has_key = find_column(columns, ColumnRole::kKey) != std::string::npos;
+  const bool has_key = has_column(columns, ColumnRole::kKey);
   const std::size_t name = find_column(columns, ColumnRole::kName);
-  const bool has_label = find_column(columns, ColumnRole::kLabel) != std::string::npos;
+  const bool has_label = has_column(columns, ColumnRole::kLabel);
   bool has_text = false;
   for (std::size_t n = 0; n < columns.size(); ++n)
     has_text = has_text || (columns[n].role == ColumnRole::kUnknown && are_texts(values_of(table, n)));
   if (!has_label && !has_key && has_text && name != std::string::npos && are_labels(values_of(table, name)))
     columns[name].role = ColumnRole::kUnknown;
-  if (find_column(columns, ColumnRole::kRed) == std::string::npos)
-    find_by_values(table, ColumnRole::kColor, are_colors, columns);
+  if (!has_column(columns, ColumnRole::kRed)) find_by_values(table, ColumnRole::kColor, are_colors, columns);
   find_by_values(table, ColumnRole::kName, are_texts, columns);
-  if (find_column(columns, ColumnRole::kName) != std::string::npos && !has_key)
+  if (has_column(columns, ColumnRole::kName) && !has_key)
     find_by_values(table, ColumnRole::kLabel, are_labels, columns);
   return columns;
 }

@@ -68,6 +68,9 @@ struct Column {
 /// Index of the column of a role, or npos. Of several labels, the most explicit counts ("label" before
 /// "value"); otherwise the first.
 [[nodiscard]] std::size_t find_column(std::span<const Column> columns, ColumnRole role);
+[[nodiscard]] inline bool has_column(std::span<const Column> columns, ColumnRole role) {
+  return find_column(columns, role) != std::string::npos;
+}
 
 /// Roles of all columns of a table by their names, and else by their values: one column each for label, key,
 /// name and so on. A "label" column with text is the name if no other is. Without labels, the only column of

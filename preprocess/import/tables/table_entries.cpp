@@ -53,7 +53,7 @@ class EntryReader {
     }
   }
 
-  [[nodiscard]] bool has(ColumnRole role) const { return find_column(columns_, role) != std::string::npos; }
+  [[nodiscard]] bool has(ColumnRole role) const { return has_column(columns_, role); }
 
   TableEntry read(const Table::Row& row) const {
     TableEntry entry;

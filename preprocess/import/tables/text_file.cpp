@@ -4,7 +4,6 @@
 #include <array>
 #include <fstream>
 #include <system_error>
-#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -40,7 +39,8 @@ std::string_view without_plus(std::string_view text) {
   return text.starts_with('+') ? text.substr(1) : text;
 }
 
-/// The file itself, or the regular files of a folder in the order of their paths.
+}  // namespace
+
 std::vector<std::filesystem::path> regular_files_of(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_directory(path, error)) return {path};
@@ -52,8 +52,6 @@ std::vector<std::filesystem::path> regular_files_of(const std::filesystem::path&
   std::ranges::sort(files);
   return files;
 }
-
-}  // namespace
 
 std::vector<std::filesystem::path> visible_files(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
@@ -123,6 +121,8 @@ Result<std::vector<TextLine>> read_text_lines(const std::filesystem::path& path)
 }
 
 std::string first_bytes(const std::filesystem::path& path, std::size_t count) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return {};  // a pipe would wait
   std::string bytes(count, '\0');
   std::ifstream file(path, std::ios::binary);
   file.read(bytes.data(), static_cast<std::streamsize>(count));
@@ -164,30 +164,6 @@ std::optional<std::int64_t> parse_integer(std::string_view text) {
 }
 std::optional<double> parse_number(std::string_view text) {
   return parse_number<double>(without_plus(text));
-}
-
-std::optional<std::string_view> cut_between(std::string_view& rest, std::string_view before,
-                                            std::string_view after) {
-  const std::size_t start = rest.find(before);
-  if (start == std::string_view::npos) return std::nullopt;
-  const std::size_t end = rest.find(after, start + before.size());
-  if (end == std::string_view::npos) return std::nullopt;
-  const std::string_view found = rest.substr(start + before.size(), end - start - before.size());
-  rest.remove_prefix(end + after.size());
-  return found;
-}
-
-std::string xml_text(std::string_view content) {
-  if (const auto data = cut_between(content, "<![CDATA[", "]]>")) return std::string(trimmed(*data));
-  constexpr std::size_t kMost = 4096;  // more than a name may have
-  std::string text(trimmed(content.substr(0, kMost)));
-  constexpr std::array<std::pair<std::string_view, char>, 5> kEntities{
-      {{"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}, {"&amp;", '&'}}};
-  for (const auto& [entity, character] : kEntities) {
-    for (std::size_t at = text.find(entity); at != std::string::npos; at = text.find(entity, at + 1))
-      text.replace(at, entity.size(), 1, character);
-  }
-  return text;
 }
 
 Result<void> check_structure_name(std::string_view name) {

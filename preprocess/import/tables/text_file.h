@@ -35,11 +35,14 @@ struct TextLine {
 /// kFailed unless `path` is a regular file that can be opened for reading.
 [[nodiscard]] Result<void> check_regular_file(const std::filesystem::path& path);
 
-/// The first `count` bytes of a file, or all that it has; none if it cannot be read.
+/// The first `count` bytes of a regular file, or all that it has; none if it cannot be read.
 [[nodiscard]] std::string first_bytes(const std::filesystem::path& path, std::size_t count);
 
 /// The regular files of a folder whose names do not begin with ".", sorted; none if it cannot be listed.
 [[nodiscard]] std::vector<std::filesystem::path> visible_files(const std::filesystem::path& folder);
+
+/// The file itself, or all regular files of a folder and its folders, sorted.
+[[nodiscard]] std::vector<std::filesystem::path> regular_files_of(const std::filesystem::path& path);
 
 /// "sha256:" and 64 hexadecimal digits, as printed by `sha256sum FILE`. Reads the file once; of a folder all
 /// regular files, in the order of their paths, as one. kFailed if one cannot be read.
@@ -52,12 +55,6 @@ std::vector<std::string_view> split_blanks(std::string&& text) = delete;
 [[nodiscard]] std::optional<std::int64_t> parse_integer(std::string_view text);
 /// The same for floating-point numbers. Accepts "nan" and "inf".
 [[nodiscard]] std::optional<double> parse_number(std::string_view text);
-
-/// The text between `before` and `after`, behind which `rest` then begins.
-[[nodiscard]] std::optional<std::string_view> cut_between(std::string_view& rest, std::string_view before,
-                                                          std::string_view after);
-/// Text of an XML element: CDATA, or text with entities.
-[[nodiscard]] std::string xml_text(std::string_view content);
 
 inline constexpr std::size_t kMaxNameCharacters = 200;
 

@@ -102,7 +102,7 @@ const std::vector<ImportKind>& import_kinds() {
       {".ply", {".ply"}, import_surface},
       {".gii", {".gii"}, import_surface},
       {"FreeSurfer", {".pial"}, import_surface},
-      {"names", {".txt", ".label", ".ctbl", ".csv", ".tsv", ".json", ".lut"}, import_names},
+      {"names", {".txt", ".label", ".ctbl", ".csv", ".tsv", ".json"}, import_names},
       {"trees", {".json", ".csv", ".tsv", ".tree"}, import_tree}};
   return kKinds;
 }

@@ -58,6 +58,10 @@ TEST(NamesText, EveryDialectIsReadAsItself) {
     ASSERT_TRUE(table) << table.error().message;
     EXPECT_EQ(table->dialect, format);
     ASSERT_EQ(table->names.size(), 3u);
+    EXPECT_EQ(table->names[2].label, 4294967295);
+    if (format == NamesFormat::kCsv) {
+      EXPECT_EQ(table->names[0].name, "area, \"one\"");
+    }
     for (const LabelName& name : table->names) {
       if (name.label != 9) continue;
       EXPECT_EQ(name.name, "white/grey");
@@ -66,18 +70,6 @@ TEST(NamesText, EveryDialectIsReadAsItself) {
       }
     }
   }
-}
-
-TEST(NamesText, CsvHoldsEverything) {
-  const TemporaryFolder folder;
-  write_bytes(folder.file("names.csv"), names_text(awkward_graph(), NamesFormat::kCsv).value());
-  Notes notes;
-  const NamesTable table = read_names(folder.file("names.csv"), NamesFormat::kAuto, notes).value();
-  ASSERT_EQ(table.names.size(), 3u);
-  EXPECT_EQ(table.names[0].name, "area, \"one\"");
-  EXPECT_EQ(table.names[0].color, (Rgb{255, 0, 128}));
-  EXPECT_THAT(table.names[0].terms, testing::Contains(Term{"SNOMED", "64033007"}));
-  EXPECT_EQ(table.names[2].label, 4294967295);
 }
 
 /// Terms of any vocabulary come back: known ones, languages, qualified codes, others.
@@ -151,12 +143,6 @@ StructureGraph ladder(StructureIndex levels) {
 TEST(TreeText, HasALineForEachPath) {
   const std::string text = tree_text(ladder(10)).value();
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2046);  // 2 + 4 + .. + 2^10
-}
-
-TEST(TreeText, RefusesGraphsOfTooManyPaths) {
-  EXPECT_THAT(tree_text(ladder(18)),
-              FailsWith(ErrorCode::kLimit, HasSubstr("5.243e+05 paths of 36 structures")));
-  EXPECT_THAT(tree_text(ladder(256)), FailsWith(ErrorCode::kLimit, HasSubstr("2.316e+77 paths")));
 }
 
 TEST(TreeText, GivesTheSameGraph) {

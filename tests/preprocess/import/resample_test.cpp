@@ -56,13 +56,13 @@ TEST(Resample, FindsPartsOfALattice) {
   part.origin_lps_mm = index_to_lps_mm(whole).apply({2, 1, 3});
   part.size = {5, 4, 2};
   const Grid turned = reordered(part, AxisOrder{{2, 0, 1}, {true, false, true}});
-  const Margin margin = margin_within(turned, kSource).value();
+  const Margin margin = margin_around(turned, kSource).value();
   EXPECT_EQ(margin.low, (Index3{2, 1, 3}));
   for (std::size_t a = 0; a < 3; ++a) EXPECT_EQ(margin.low[a] + part.size[a] + margin.high[a], whole.size[a]);
-  EXPECT_TRUE(margin_within(kSource, kSource)->empty());
-  EXPECT_FALSE(margin_within(kSource, turned));
+  EXPECT_TRUE(margin_around(kSource, kSource)->empty());
+  EXPECT_TRUE(margin_around(kSource, turned)->empty());  // it holds them
   part.origin_lps_mm[0] += 0.1;
-  EXPECT_FALSE(margin_within(part, kSource));
+  EXPECT_FALSE(margin_around(part, kSource));
 }
 
 TEST(Resample, NearestPermutesEveryLayer) {

@@ -1,7 +1,6 @@
 #include "preprocess/import/images/dicom/dicom_item.h"
 
 #include <cmath>
-#include <fstream>
 #include <string_view>
 #include <utility>
 
@@ -59,19 +58,8 @@ void prepare_dcmtk() {
   static_cast<void>(done);
 }
 
-std::string first_bytes(const std::filesystem::path& file) {
-  constexpr std::size_t kBytes = 1024;
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(file, ignored)) return {};  // a pipe would wait
-  std::string bytes(kBytes, '\0');
-  std::ifstream stream(file, std::ios::binary);
-  stream.read(bytes.data(), kBytes);
-  bytes.resize(static_cast<std::size_t>(stream.gcount()));
-  return bytes;
-}
-
 bool begins_as_dicom(const std::filesystem::path& file) {
-  const std::string bytes = first_bytes(file);
+  const std::string bytes = first_bytes(file, kHeadBytes);
   return has_preamble(bytes) || begins_as_data_set(bytes);
 }
 
@@ -80,7 +68,7 @@ Result<std::unique_ptr<DcmFileFormat>> open_dicom(const std::filesystem::path& f
   prepare_dcmtk();
   auto format = std::make_unique<DcmFileFormat>();
   const OFFilename name(file.c_str());
-  const E_FileReadMode mode = has_preamble(first_bytes(file)) ? ERM_fileOnly : ERM_autoDetect;
+  const E_FileReadMode mode = has_preamble(first_bytes(file, kHeadBytes)) ? ERM_fileOnly : ERM_autoDetect;
   const OFCondition status =
       part == DicomPart::kWhole
           ? format->loadFile(name, EXS_Unknown, EGL_noChange, kMaxInMemory, mode)

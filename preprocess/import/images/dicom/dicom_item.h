@@ -20,8 +20,8 @@ namespace splatlas {
 /// attributes that a program wrote as unknown. Cheap after the first call.
 void prepare_dcmtk();
 
-/// The first kB of a regular file; empty for others.
-[[nodiscard]] std::string first_bytes(const std::filesystem::path& file);
+/// Bytes of a file that tell whether it is of DICOM.
+inline constexpr std::size_t kHeadBytes = 1024;
 /// True for a regular file with "DICM" at byte 128, or that begins with its data set, as old exports do.
 [[nodiscard]] bool begins_as_dicom(const std::filesystem::path& file);
 

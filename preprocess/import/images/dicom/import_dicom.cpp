@@ -252,7 +252,8 @@ bool is_dicom(const std::filesystem::path& file_or_folder) {
 
 bool is_contours(const std::filesystem::path& file_or_folder) {
   return any_file(file_or_folder, [](const std::filesystem::path& file) {
-    return begins_as_dicom(file) && first_bytes(file).find(UID_RTStructureSetStorage) != std::string::npos;
+    return begins_as_dicom(file) &&
+           first_bytes(file, kHeadBytes).find(UID_RTStructureSetStorage) != std::string::npos;
   });
 }
 

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -29,15 +28,6 @@ struct TextHeader {
   }
 };
 
-/// The fields that messages may name. Others hold free text, and so may their names.
-bool is_known_field(const std::string& field) {
-  static const std::set<std::string> kFields{
-      "ObjectType",     "NDims",       "DimSize",         "Offset",     "Position",    "Origin",
-      "ElementSpacing", "ElementType", "TransformMatrix", "Rotation",   "Orientation", "CompressedData",
-      "BinaryData",     "HeaderSize",  "ElementDataFile", "ElementSize"};
-  return kFields.contains(field);
-}
-
 /// Reads lines "Key = Value" to ElementDataFile, whose pixels may follow, to a line without a field, or to
 /// the end of the first MiB. kFailed for a field that occurs twice.
 Result<TextHeader> read_text_header(const fs::path& path) {
@@ -53,7 +43,7 @@ Result<TextHeader> read_text_header(const fs::path& path) {
     if (equals == std::string_view::npos) continue;
     const std::string key(trimmed(line.substr(0, equals)));
     if (!header.fields.emplace(key, trimmed(line.substr(equals + 1))).second)
-      return bad_file(path, "says '{}' twice in its header", is_known_field(key) ? key : "...");
+      return bad_file(path, "says one field twice in its header, at byte {}", header.bytes);
   }
   return header;
 }

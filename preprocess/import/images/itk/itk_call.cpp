@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-#include "preprocess/import/import_error.h"
+#include "format/text/ascii_text.h"
 
 namespace splatlas {
 namespace {

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <string_view>
 
 #include <fmt/format.h>
+#include <vtkMath.h>
 
 #include "format/result_macros.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
@@ -23,20 +25,15 @@ double spacing(const NiftiHeader& header, std::size_t axis) {
 /// The rotation of a quaternion, times the spacings (nifti1.h, method 2).
 Affine12 affine_of_qform(const NiftiHeader& header) {
   const auto [b, c, d] = header.quaternion;
-  const double rest = 1 - (b * b + c * c + d * d);
-  // Rounded numbers may exceed a length of 1.
-  const double length = rest < 1e-7 ? std::sqrt(b * b + c * c + d * d) : 1;
-  const double a = rest < 1e-7 ? 0 : std::sqrt(rest);
-  const double x = b / length, y = c / length, z = d / length;
+  const double rest = 1 - (b * b + c * c + d * d);  // rounded numbers may exceed a length of 1
+  const std::array<double, 4> quaternion{rest < 1e-7 ? 0 : std::sqrt(rest), b, c, d};
+  double rotation[3][3];
+  vtkMath::QuaternionToMatrix3x3(quaternion.data(), rotation);
   const double qfac = header.pixdim[0] < 0 ? -1 : 1;
-  const std::array<double, 9> r{
-      a * a + x * x - y * y - z * z, 2 * (x * y - a * z),           2 * (x * z + a * y),
-      2 * (x * y + a * z),           a * a + y * y - x * x - z * z, 2 * (y * z - a * x),
-      2 * (x * z - a * y),           2 * (y * z + a * x),           a * a + z * z - x * x - y * y};
   Affine12 affine{};
   for (std::size_t row = 0; row < 3; ++row) {
     for (std::size_t axis = 0; axis < 3; ++axis)
-      affine[4 * row + axis] = r[3 * row + axis] * spacing(header, axis) * (axis == 2 ? qfac : 1);
+      affine[4 * row + axis] = rotation[row][axis] * spacing(header, axis) * (axis == 2 ? qfac : 1);
     affine[4 * row + 3] = header.qform_offset[row];
   }
   return affine;
@@ -87,22 +84,14 @@ double largest_distance(const NiftiHeader& header, const Affine12& first, const 
   return largest;
 }
 
-/// The orthogonal factor of the polar decomposition, by Newton's iteration (Higham 1986). It converges
-/// quadratically: from 1e-4 three steps reach the precision of doubles. Signed permutations stay exact.
-Matrix3 nearest_orthonormal(Matrix3 m) {
-  for (int step = 0; step < 3; ++step) {
-    const double d = determinant(m);
-    Matrix3 next;
-    for (std::size_t row = 0; row < 3; ++row) {
-      for (std::size_t a = 0; a < 3; ++a) {
-        const std::size_t r1 = (row + 1) % 3, r2 = (row + 2) % 3, a1 = (a + 1) % 3, a2 = (a + 2) % 3;
-        const double cofactor = m[3 * r1 + a1] * m[3 * r2 + a2] - m[3 * r1 + a2] * m[3 * r2 + a1];
-        next[3 * row + a] = 0.5 * (m[3 * row + a] + cofactor / d);
-      }
-    }
-    m = next;
-  }
-  return m;
+/// The orthogonal factor of the polar decomposition. Signed permutations stay exact.
+Matrix3 nearest_orthonormal(const Matrix3& m) {
+  double rows[3][3];
+  std::memcpy(rows, m.data(), sizeof(rows));
+  vtkMath::Orthogonalize3x3(rows, rows);
+  Matrix3 nearest;
+  std::memcpy(nearest.data(), rows, sizeof(rows));
+  return nearest;
 }
 
 bool is_orthonormal(const Matrix3& m) {

@@ -1,5 +1,4 @@
 #include <cmath>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "preprocess/import/images/pixels/image_readers.h"
 #include "preprocess/import/images/pixels/read_deflated.h"
 #include "preprocess/import/import_error.h"
+#include "preprocess/import/quiet_vtk.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
@@ -23,18 +23,16 @@ namespace fs = std::filesystem;
 /// cycle of twelve. Only numbers and names are kept: other parts of the XML may hold names of patients.
 std::vector<SourceSegment> labels_of_extensions(std::string_view extensions) {
   std::vector<SourceSegment> labels;
-  auto table = cut_between(extensions, "<LabelTable", "</LabelTable>");
-  if (!table) return labels;
-  while (const auto label = cut_between(*table, "<Label ", "</Label>")) {
-    std::string_view attributes = label->substr(0, label->find('>'));
-    const std::string_view content = label->substr(std::min(attributes.size() + 1, label->size()));
-    const auto key = cut_between(attributes, "Key=\"", "\"");
-    const auto value = key ? parse_integer(*key) : std::nullopt;
-    if (!value || *value <= 0) continue;
+  constexpr std::string_view kEnd = "</LabelTable>";
+  const std::size_t first = extensions.find("<LabelTable"), end = extensions.find(kEnd, first);
+  if (end == std::string_view::npos) return labels;
+  const auto table = parse_xml(std::string(extensions.substr(first, end + kEnd.size() - first)));
+  for (int n = 0; table != nullptr && n < table->GetNumberOfNestedElements(); ++n) {
+    vtkXMLDataElement* const label = table->GetNestedElement(n);
     SourceSegment segment;
-    segment.value = *value;
-    segment.structure.name = xml_text(content);
-    if (!segment.structure.name.empty()) labels.push_back(std::move(segment));
+    segment.value = parse_integer(attribute(*label, "Key")).value_or(0);
+    segment.structure.name = text_of(label);
+    if (segment.value > 0 && !segment.structure.name.empty()) labels.push_back(std::move(segment));
   }
   return labels;
 }

@@ -8,13 +8,11 @@
 #include <fstream>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <utility>
 
 #include <itkPNGImageIO.h>
 #include <nlohmann/json.hpp>
 #include <tiffio.h>
-#include <zlib.h>
 
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
@@ -23,19 +21,12 @@
 #include "preprocess/import/images/pixels/read_deflated.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/isolation/run_isolated.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::string_view kSignature("\x89PNG\r\n\x1a\n", 8);
-
-std::uint32_t big_endian(const char* bytes) {
-  std::uint32_t value = 0;
-  for (int n = 0; n < 4; ++n) value = value << 8 | static_cast<unsigned char>(bytes[n]);
-  return value;
-}
 
 /// Direction in LPS of an axis that begins at a side.
 std::optional<Vec3> direction_from(char side) {
@@ -176,46 +167,18 @@ Result<SourceImage> read_tiff(const fs::path& path) {
   return image;
 }
 
-/// Orders names by the numbers in them.
-bool comes_before(const std::string& a, const std::string& b) {
-  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
-  std::size_t i = 0, j = 0;
-  while (i < a.size() && j < b.size()) {
-    if (!is_digit(a[i]) || !is_digit(b[j])) {
-      if (a[i] != b[j]) return a[i] < b[j];
-      ++i, ++j;
-      continue;
-    }
-    while (i < a.size() && a[i] == '0') ++i;
-    while (j < b.size() && b[j] == '0') ++j;
-    const auto end_of = [&](const std::string& text, std::size_t from) {
-      return static_cast<std::size_t>(
-          std::find_if_not(text.begin() + static_cast<std::ptrdiff_t>(from), text.end(), is_digit) -
-          text.begin());
-    };
-    const std::string x = a.substr(i, end_of(a, i) - i), y = b.substr(j, end_of(b, j) - j);
-    if (x.size() != y.size()) return x.size() < y.size();
-    if (x != y) return x < y;
-    i += x.size(), j += y.size();
-  }
-  return a.size() - i < b.size() - j;
-}
-
 std::vector<fs::path> list_pictures(const fs::path& path) {
   std::error_code error;
   if (!fs::is_directory(path, error)) return {path};
-  std::vector<fs::path> files;
-  for (fs::directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error)) {
-    if (is_picture(entry->path())) files.push_back(entry->path());
-  }
-  std::ranges::sort(files, [](const fs::path& a, const fs::path& b) {
-    return comes_before(a.filename().string(), b.filename().string());
+  std::vector<fs::path> files = visible_files(path);
+  std::erase_if(files, [](const fs::path& file) { return !is_picture(file); });
+  std::ranges::sort(files, [](const fs::path& a, const fs::path& b) {  // by the numbers in their names
+    return ::strverscmp(a.filename().c_str(), b.filename().c_str()) < 0;
   });
   return files;
 }
 
 Result<SourceImage> read_png(const fs::path& file) {
-  SPLATLAS_RETURN_IF_ERROR(check_png(file));
   const itk::PNGImageIO::Pointer io = itk::PNGImageIO::New();
   if (!io->CanReadFile(file.c_str())) return bad_file(file, "is not the picture that its ending says");
   io->SetFileName(file.string());
@@ -324,36 +287,6 @@ Result<std::optional<PictureFrame>> brainglobe_frame(const fs::path& picture) {
   }
   if (!(std::abs(determinant(frame.direction_lps)) > 0)) return refuse();
   return frame;
-}
-
-/// Chunks: length, type, data, checksum of type and data (PNG specification, 5.3).
-Result<void> check_png(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::array<char, 8> head{};
-  if (!file.read(head.data(), head.size()) || std::string_view(head.data(), head.size()) != kSignature)
-    return bad_file(path, "is no PNG file");
-  std::error_code error;
-  std::uint64_t left = fs::file_size(path, error) - kSignature.size();
-  std::string type, chunk;
-  for (bool has_pixels = false; type != "IEND"; has_pixels = has_pixels || type == "IDAT") {
-    if (error || left < 12 || !file.read(head.data(), head.size())) return bad_file(path, "is cut short");
-    const std::uint64_t length = big_endian(head.data());
-    const bool is_first = type.empty();
-    type.assign(&head[4], 4);
-    if (is_first && (type != "IHDR" || length != 13)) return bad_file(path, "does not begin as a PNG file");
-    if (type == "IEND" && !has_pixels) return bad_file(path, "holds no pixels");
-    if (left - 12 < length) return bad_file(path, "is cut short");
-    left -= 12 + length;
-    chunk.resize(length);
-    std::array<char, 4> sum{};
-    file.read(chunk.data(), static_cast<std::streamsize>(length));
-    file.read(sum.data(), sum.size());
-    uLong expected = crc32(0, reinterpret_cast<const Bytef*>(&head[4]), 4);
-    expected = crc32_z(expected, reinterpret_cast<const Bytef*>(chunk.data()), chunk.size());
-    if (!file || big_endian(sum.data()) != expected)
-      return bad_file(path, "is damaged (a checksum is wrong)");
-  }
-  return {};
 }
 
 }  // namespace splatlas

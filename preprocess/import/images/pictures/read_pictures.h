@@ -35,8 +35,4 @@ struct PictureFrame {
 /// Nothing if the file's folder is no BrainGlobe folder. kFailed for metadata that cannot be.
 [[nodiscard]] Result<std::optional<PictureFrame>> brainglobe_frame(const std::filesystem::path& picture);
 
-/// kFailed for a file that is cut, or has a chunk with a wrong checksum: libpng ends the process at such
-/// files, because ITK's reader of headers has no place to return to. Cost: one pass.
-[[nodiscard]] Result<void> check_png(const std::filesystem::path& path);
-
 }  // namespace splatlas

@@ -40,29 +40,17 @@ Result<VoxelBuffer> narrowed(std::span<const std::byte> bytes, const std::filesy
   return bad_file(path, "holds 64-bit integers from {} to {}; {} does not fit 32 bits", low, high, beyond);
 }
 
-struct InflateEnd {
-  void operator()(z_stream* stream) const {
-    inflateEnd(stream);
-    delete stream;
-  }
-};
-using Inflater = std::unique_ptr<z_stream, InflateEnd>;
-
-Inflater make_inflater() {
-  Inflater stream(new z_stream{});
-  constexpr int kZlibOrGzip = 15 + 32;
-  return inflateInit2(stream.get(), kZlibOrGzip) == Z_OK ? std::move(stream) : nullptr;
-}
-
 }  // namespace
 
 Result<void> read_deflated(const fs::path& path, std::uint64_t offset, std::uint64_t bytes,
                            std::vector<std::byte>& pixels) {
   std::ifstream file(path, std::ios::binary);
   file.seekg(static_cast<std::streamoff>(offset));
-  const Inflater stream = make_inflater();
-  if (!stream) return fail(ErrorCode::kLimit, "{}: out of memory; {}", path.string(), kOutOfMemoryRemedy);
-
+  constexpr int kZlibOrGzip = 15 + 32;
+  z_stream stream{};
+  if (inflateInit2(&stream, kZlibOrGzip) != Z_OK)
+    return fail(ErrorCode::kLimit, "{}: out of memory; {}", path.string(), kOutOfMemoryRemedy);
+  const std::unique_ptr<z_stream, int (*)(z_stream*)> end(&stream, inflateEnd);
   constexpr std::uint64_t kPiece = 16u << 20;  // touched memory follows the stream, not its header
   std::vector<char> packed(1 << 18);
   std::vector<std::byte> surplus(1 << 18);
@@ -70,28 +58,28 @@ Result<void> read_deflated(const fs::path& path, std::uint64_t offset, std::uint
   pixels.clear();
   pixels.reserve(bytes);
   for (int status = Z_OK; status != Z_STREAM_END && found < bytes + kMaxSurplus;) {
-    if (stream->avail_in == 0) {
+    if (stream.avail_in == 0) {
       file.read(packed.data(), static_cast<std::streamsize>(packed.size()));
-      stream->next_in = reinterpret_cast<unsigned char*>(packed.data());
-      stream->avail_in = static_cast<unsigned>(file.gcount());
-      if (stream->avail_in == 0 && found < bytes) return truncated_file(path, bytes, found);
-      if (stream->avail_in == 0) {
+      stream.next_in = reinterpret_cast<unsigned char*>(packed.data());
+      stream.avail_in = static_cast<unsigned>(file.gcount());
+      if (stream.avail_in == 0 && found < bytes) return truncated_file(path, bytes, found);
+      if (stream.avail_in == 0) {
         return bad_file(path,
                         "is truncated: the end of its compressed pixels, with their checksum, is missing");
       }
     }
     if (found == pixels.size()) pixels.resize(std::min(bytes, found + kPiece));
     const std::span<std::byte> to = found < bytes ? std::span(pixels).subspan(found) : std::span(surplus);
-    stream->next_out = reinterpret_cast<unsigned char*>(to.data());
-    stream->avail_out = static_cast<unsigned>(to.size());
-    status = inflate(stream.get(), Z_NO_FLUSH);
+    stream.next_out = reinterpret_cast<unsigned char*>(to.data());
+    stream.avail_out = static_cast<unsigned>(to.size());
+    status = inflate(&stream, Z_NO_FLUSH);
     if (status != Z_OK && status != Z_STREAM_END) {
       return bad_file(path, "its compressed pixels are damaged after {} bytes ({})", found,
-                      stream->msg ? stream->msg : "zlib");
+                      stream.msg ? stream.msg : "zlib");
     }
-    found += to.size() - stream->avail_out;
+    found += to.size() - stream.avail_out;
     // Gzip files may have several members (bgzip): continue with the next one.
-    if (status == Z_STREAM_END && found < bytes && inflateReset(stream.get()) == Z_OK) status = Z_OK;
+    if (status == Z_STREAM_END && found < bytes && inflateReset(&stream) == Z_OK) status = Z_OK;
   }
   if (found < bytes) return truncated_file(path, bytes, found);
   return {};
@@ -156,16 +144,11 @@ Result<GzipFile> GzipFile::open(const std::filesystem::path& path) {
 }
 
 Result<std::size_t> GzipFile::read_some(std::span<std::byte> bytes) {
-  constexpr std::size_t kMaxRead = std::size_t{1} << 30;  // zlib's counts are of type int
-  std::size_t done = 0;
-  while (done < bytes.size()) {
-    const int count =
-        gzread(stream_.get(), &bytes[done], static_cast<unsigned>(std::min(bytes.size() - done, kMaxRead)));
-    if (count < 0) SPLATLAS_RETURN_IF_ERROR(check_status(done));
-    if (count <= 0) break;
-    done += static_cast<std::size_t>(count);
-  }
-  return done;
+  const int count = gzread(stream_.get(), bytes.data(), static_cast<unsigned>(bytes.size()));
+  if (count >= 0) return static_cast<std::size_t>(count);
+  int status = Z_OK;
+  return bad_file(path_, "its compressed bytes are damaged after {} bytes ({})", gztell(stream_.get()),
+                  gzerror(stream_.get(), &status));
 }
 
 Result<std::vector<std::byte>> GzipFile::read(std::uint64_t offset, std::uint64_t count) {
@@ -178,9 +161,7 @@ Result<std::vector<std::byte>> GzipFile::read(std::uint64_t offset, std::uint64_
     const std::size_t done = bytes.size();
     bytes.resize(std::min<std::uint64_t>(count, done + kPiece));
     SPLATLAS_ASSIGN_OR_RETURN(const std::size_t found, read_some(std::span(bytes).subspan(done)));
-    if (done + found == bytes.size()) continue;
-    SPLATLAS_RETURN_IF_ERROR(check_status(done + found));
-    return truncated_file(path_, count, done + found);
+    if (done + found < bytes.size()) return truncated_file(path_, count, done + found);
   }
   return bytes;
 }
@@ -196,13 +177,6 @@ Result<void> GzipFile::check_end() {
   const char* const reason = gzerror(stream_.get(), &status);
   if (status == Z_OK) return {};
   return bad_file(path_, "is truncated or damaged at the end of its compressed pixels ({})", reason);
-}
-
-Result<void> GzipFile::check_status(std::uint64_t read) const {
-  int status = Z_OK;
-  const char* const reason = gzerror(stream_.get(), &status);
-  if (status == Z_OK || status == Z_BUF_ERROR) return {};
-  return bad_file(path_, "its compressed bytes are damaged after {} bytes ({})", read, reason);
 }
 
 }  // namespace splatlas

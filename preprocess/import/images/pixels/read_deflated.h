@@ -52,7 +52,8 @@ class GzipFile {
   [[nodiscard]] static Result<GzipFile> open(const std::filesystem::path& path);
 
   [[nodiscard]] bool is_compressed() const { return gzdirect(stream_.get()) == 0; }
-  /// Reads from the current position. Returns the bytes read, fewer at the file's end. kFailed for damage.
+  /// Reads less than 2 GiB from the current position. Returns the bytes read, fewer at the file's end.
+  /// kFailed for damage.
   [[nodiscard]] Result<std::size_t> read_some(std::span<std::byte> bytes);
   /// Reads `count` bytes from an offset of the decompressed file. kFailed if there are fewer.
   [[nodiscard]] Result<std::vector<std::byte>> read(std::uint64_t offset, std::uint64_t count);
@@ -63,8 +64,6 @@ class GzipFile {
   struct Close {
     void operator()(gzFile_s* stream) const { gzclose(stream); }
   };
-
-  [[nodiscard]] Result<void> check_status(std::uint64_t read) const;
 
   std::filesystem::path path_;
   std::unique_ptr<gzFile_s, Close> stream_;

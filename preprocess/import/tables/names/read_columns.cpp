@@ -6,6 +6,7 @@
 
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
+#include "preprocess/import/quiet_vtk.h"
 #include "preprocess/import/tables/names/dialects.h"
 #include "preprocess/import/tables/table_entries.h"
 #include "preprocess/import/tables/text_file.h"
@@ -21,8 +22,6 @@ bool is_row(const std::vector<std::string>& header) {
                               [](const std::string& field) { return parse_number(field).has_value(); });
 }
 
-}  // namespace
-
 bool recognise_csv(std::string_view head) {
   const auto separator = find_separator(head);
   if (!separator) return false;
@@ -30,13 +29,10 @@ bool recognise_csv(std::string_view head) {
   const Table table = parse_table(lines.front().text, *separator);
   if (is_row(table.columns)) return *separator != '\t';  // else a list of labels and names
   if (parse_integer(split_blanks(lines.front().text).front())) return false;  // "7 lobe, label"
-  const auto has = [](const std::vector<Column>& columns, ColumnRole role) {
-    return find_column(columns, role) != std::string::npos;
-  };
   const std::vector<Column> by_name = columns_of(table), columns = columns_of(parse_table(head, *separator));
-  return has(by_name, ColumnRole::kLabel) || has(by_name, ColumnRole::kKey) ||
-         has(by_name, ColumnRole::kName) ||
-         (has(columns, ColumnRole::kLabel) && has(columns, ColumnRole::kName));
+  return has_column(by_name, ColumnRole::kLabel) || has_column(by_name, ColumnRole::kKey) ||
+         has_column(by_name, ColumnRole::kName) ||
+         (has_column(columns, ColumnRole::kLabel) && has_column(columns, ColumnRole::kName));
 }
 
 Result<void> read_csv(const NamesInput& input, NamesCollector& into) {
@@ -59,28 +55,35 @@ bool recognise_bids(std::string_view head) {
 // FSL's atlases: <label index="0" x="1" y="2" z="3">name</label>. Indices of probabilistic ones count maps
 // from 0; their label map counts from 1.
 
-bool recognise_fsl(std::string_view head) {
-  return head.find("<atlas") != std::string_view::npos && head.find("<label") != std::string_view::npos;
-}
-
 Result<void> read_fsl(const NamesInput& input, NamesCollector& into) {
-  std::string_view rest = input.text;
-  const bool counts_maps = to_lower(rest).find("<type>prob") != std::string::npos;
-  std::size_t number = 0;
-  while (const auto label = cut_between(rest, "<label", "</label>")) {
+  const auto atlas = parse_xml(input.text);
+  vtkXMLDataElement* const data = atlas == nullptr ? nullptr : atlas->FindNestedElementWithName("data");
+  if (data == nullptr) return input.refuse("is no whole XML with labels in its <data>; get the file again");
+  const bool counts_maps = to_lower(input.text).find("<type>prob") != std::string::npos;
+  for (int n = 0; n < data->GetNumberOfNestedElements(); ++n) {
+    vtkXMLDataElement* const label = data->GetNestedElement(n);
     LabelName name;
-    name.line = ++number;
-    std::string_view attributes = label->substr(0, label->find('>'));
-    name.name = xml_text(label->substr(std::min(attributes.size() + 1, label->size())));
-    const auto index = cut_between(attributes, "index=\"", "\"");
-    const auto value = parse_label(index.value_or(""));
-    if (value) {
+    name.line = static_cast<std::size_t>(n) + 1;
+    name.name = text_of(label);
+    if (const auto value = parse_label(attribute(*label, "index"))) {
       into.add(fmt::to_string(*value + (counts_maps ? 1 : 0)), std::move(name));
     } else {
-      into.add_fault(number, fmt::format("{} has no index", in_quotes(name.name)));
+      into.add_fault(name.line, fmt::format("{} has no index", in_quotes(name.name)));
     }
   }
   return {};
 }
+
+}  // namespace
+
+const Dialect kCsvNames{
+    {NamesFormat::kCsv, "csv", "table with columns (CSV or TSV)"}, recognise_csv, read_csv};
+const Dialect kBidsNames{{NamesFormat::kBids, "bids", "BIDS segmentation table"}, recognise_bids, read_csv};
+const Dialect kFslNames{{NamesFormat::kFsl, "fsl", "FSL atlas"},
+                        [](std::string_view head) {
+                          return head.find("<atlas") != std::string_view::npos &&
+                                 head.find("<label") != std::string_view::npos;
+                        },
+                        read_fsl};
 
 }  // namespace splatlas

@@ -11,7 +11,6 @@
 #include "preprocess/import/tables/color_text.h"
 #include "preprocess/import/tables/names/dialects.h"
 #include "preprocess/import/tables/table_entries.h"
-#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {
@@ -35,9 +34,11 @@ bool is_json(std::string_view head) {
   return text.starts_with('{') || text.starts_with('[');
 }
 
+/// True if a JSON text has an object with this key.
 bool has_json_key(std::string_view head, std::string_view key) {
   const std::string quoted = fmt::format("\"{}\"", key);
-  for (std::size_t at = head.find(quoted); at != std::string_view::npos; at = head.find(quoted, at + 1)) {
+  for (std::size_t at = is_json(head) ? head.find(quoted) : head.npos; at != head.npos;
+       at = head.find(quoted, at + 1)) {
     if (trimmed(head.substr(at + quoted.size(), 8)).starts_with(':')) return true;
   }
   return false;
@@ -229,25 +230,12 @@ std::string value_at(const Json& map, const char* key, std::size_t n) {
   return list.is_array() && n < list.size() ? text_of(list[n]) : std::string();
 }
 
-}  // namespace
-
-bool recognise_open_anatomy(std::string_view head) {
-  return is_json(head) && has_json_key(head, "@type") &&
-         (head.find("\"Header\"") != std::string_view::npos ||
-          head.find("\"Structure\"") != std::string_view::npos);
-}
-
 Result<void> read_open_anatomy(const NamesInput& input, NamesCollector& into) {
   SPLATLAS_ASSIGN_OR_RETURN(const Json json, parse_json(input));
   if (!json.is_array())
     return input.refuse("is no list of objects; give the atlasStructure.json of an atlas");
   OpenAnatomyReader(into).read(json);
   return {};
-}
-
-bool recognise_allen(std::string_view head) {
-  return is_json(head) && has_json_key(head, "children") &&
-         (has_json_key(head, "id") || has_json_key(head, "name"));
 }
 
 Result<void> read_allen(const NamesInput& input, NamesCollector& into) {
@@ -260,20 +248,12 @@ Result<void> read_allen(const NamesInput& input, NamesCollector& into) {
 
 // BrainGlobe's structures.json: a list of structures with the path of ids to each.
 
-bool recognise_brainglobe(std::string_view head) {
-  return is_json(head) && has_json_key(head, "structure_id_path");
-}
-
 Result<void> read_brainglobe(const NamesInput& input, NamesCollector& into) {
   SPLATLAS_ASSIGN_OR_RETURN(const Json json, parse_json(input));
   return read_objects(input, json, into);
 }
 
 // dcmqi's description of a DICOM segmentation: lists of segments, one a file.
-
-bool recognise_dcmqi(std::string_view head) {
-  return is_json(head) && has_json_key(head, "segmentAttributes");
-}
 
 Result<void> read_dcmqi(const NamesInput& input, NamesCollector& into) {
   SPLATLAS_ASSIGN_OR_RETURN(const Json json, parse_json(input));
@@ -294,10 +274,6 @@ Result<void> read_dcmqi(const NamesInput& input, NamesCollector& into) {
 }
 
 // Class maps of programs that segment: {"1": "spleen"}, {"spleen": 1}, either also below "labels".
-
-bool recognise_json_map(std::string_view head) {
-  return is_json(head);
-}
 
 Result<void> read_json_map(const NamesInput& input, NamesCollector& into) {
   SPLATLAS_ASSIGN_OR_RETURN(const Json json, parse_json(input));
@@ -326,10 +302,6 @@ Result<void> read_json_map(const NamesInput& input, NamesCollector& into) {
   return {};
 }
 
-bool recognise_niivue(std::string_view head) {
-  return is_json(head) && has_json_key(head, "R") && has_json_key(head, "G") && has_json_key(head, "B");
-}
-
 Result<void> read_niivue(const NamesInput& input, NamesCollector& into) {
   SPLATLAS_ASSIGN_OR_RETURN(const Json map, parse_json(input));
   const auto labels = map.is_object() ? map.find("labels") : map.end();
@@ -339,35 +311,52 @@ Result<void> read_niivue(const NamesInput& input, NamesCollector& into) {
   }
   const bool has_values = map.contains("I") && map["I"].is_array() && !map["I"].empty();
   const std::size_t count = has_values ? map["I"].size() : labels->size();
-  std::vector<std::string> colors;
-  for (std::size_t n = 0; n < count; ++n)
-    colors.push_back(
-        fmt::format("{},{},{}", value_at(map, "R", n), value_at(map, "G", n), value_at(map, "B", n)));
-  const double scale = scale_of_colors(colors);
+  Table table{{"label", "name", "r", "g", "b"}, {}, {}};
   for (std::size_t n = 0; n < count; ++n) {
-    LabelName name;
-    name.line = n + 1;
-    name.name = value_at(map, "labels", n);
-    name.color = parse_table_color(colors[n], scale);
-    if (!name.color && colors[n] != ",,") into.add_bad_color(n + 1, colors[n]);
-    into.add(has_values ? value_at(map, "I", n) : fmt::format("{}", n), std::move(name));
+    table.rows.push_back({n + 1, {has_values ? value_at(map, "I", n) : fmt::format("{}", n)}});
+    for (const char* key : {"labels", "R", "G", "B"}) table.rows[n].fields.push_back(value_at(map, key, n));
   }
-  return {};
+  return add_table(table, input, into);
 }
+
+}  // namespace
+
+const Dialect kOpenAnatomyNames{{NamesFormat::kOpenAnatomy, "openanatomy", "Open Anatomy atlas"},
+                                [](std::string_view head) {
+                                  return has_json_key(head, "@type") &&
+                                         (head.find("\"Header\"") != std::string_view::npos ||
+                                          head.find("\"Structure\"") != std::string_view::npos);
+                                },
+                                read_open_anatomy};
+const Dialect kAllenNames{{NamesFormat::kAllen, "allen", "Allen structure graph"},
+                          [](std::string_view head) {
+                            return has_json_key(head, "children") &&
+                                   (has_json_key(head, "id") || has_json_key(head, "name"));
+                          },
+                          read_allen};
+const Dialect kBrainGlobeNames{{NamesFormat::kBrainGlobe, "brainglobe", "BrainGlobe structures"},
+                               [](std::string_view head) { return has_json_key(head, "structure_id_path"); },
+                               read_brainglobe};
+const Dialect kDcmqiNames{{NamesFormat::kDcmqi, "dcmqi", "description of a DICOM segmentation"},
+                          [](std::string_view head) { return has_json_key(head, "segmentAttributes"); },
+                          read_dcmqi};
+const Dialect kJsonNames{{NamesFormat::kJson, "json", "JSON class map"}, is_json, read_json_map};
+const Dialect kNiivueNames{{NamesFormat::kNiivue, "niivue", "NiiVue colour map"},
+                           [](std::string_view head) {
+                             return has_json_key(head, "R") && has_json_key(head, "G") &&
+                                    has_json_key(head, "B");
+                           },
+                           read_niivue};
 
 Result<std::vector<TreeLine>> read_json_tree(const NamesInput& input, NamesCollector& into) {
   const std::string_view head = std::string_view(input.text).substr(0, kNamesHeadBytes);
-  if (recognise_open_anatomy(head)) {
-    SPLATLAS_RETURN_IF_ERROR(read_open_anatomy(input, into));
-  } else if (recognise_brainglobe(head)) {
-    SPLATLAS_RETURN_IF_ERROR(read_brainglobe(input, into));
-  } else if (recognise_allen(head)) {
-    SPLATLAS_RETURN_IF_ERROR(read_allen(input, into));
-  } else {
-    return input.refuse("is no tree of the Allen Brain Atlas, of BrainGlobe or of Open Anatomy; give one");
+  for (const Dialect* dialect : {&kOpenAnatomyNames, &kBrainGlobeNames, &kAllenNames}) {
+    if (!dialect->recognise(head)) continue;
+    SPLATLAS_RETURN_IF_ERROR(dialect->read(input, into));
+    SPLATLAS_ASSIGN_OR_RETURN(NamesTable table, into.finish());
+    return std::move(table.hierarchy);
   }
-  SPLATLAS_ASSIGN_OR_RETURN(NamesTable table, into.finish());
-  return std::move(table.hierarchy);
+  return input.refuse("is no tree of the Allen Brain Atlas, of BrainGlobe or of Open Anatomy; give one");
 }
 
 }  // namespace splatlas

@@ -232,24 +232,9 @@ LabelName name_of(const ListRow& row) {
   return name;
 }
 
-}  // namespace
-
 bool recognise_itk_snap(std::string_view head) {
   const ListShape shape = shape_of_head(head);
   return shape.colors == ListShape::Colors::kFirst && shape.numbers >= 6;
-}
-
-Result<void> read_itk_snap(const NamesInput& input, NamesCollector& into) {
-  return read_color_rows(input, ListShape::Colors::kFirst, "label R G B A visible mesh \"name\"", false,
-                         into);
-}
-
-bool recognise_fsleyes(std::string_view head) {
-  return shape_of_head(head).colors == ListShape::Colors::kFirst;
-}
-
-Result<void> read_fsleyes(const NamesInput& input, NamesCollector& into) {
-  return read_color_rows(input, ListShape::Colors::kFirst, "label R G B name", false, into);
 }
 
 // FreeSurfer's colour tables, also those of FastSurfer with a header line: id name R G B A [type].
@@ -267,15 +252,6 @@ bool recognise_freesurfer(std::string_view head) {
   return 2 * static_cast<std::size_t>(zeros) > rows.size() ||
          lines.front().text.starts_with("ID\tLabelName") ||
          head.find("#No. Label Name") != std::string_view::npos;
-}
-
-Result<void> read_freesurfer(const NamesInput& input, NamesCollector& into) {
-  return read_color_rows(input, ListShape::Colors::kLast, kColorsLast, false, into);
-}
-
-bool recognise_ctbl(std::string_view head) {
-  return head.starts_with(kTable) || head.starts_with(kRamp) ||
-         shape_of_head(head).colors == ListShape::Colors::kLast;
 }
 
 Result<void> read_ctbl(const NamesInput& input, NamesCollector& into) {
@@ -307,5 +283,34 @@ Result<void> read_mricron(const NamesInput& input, NamesCollector& into) {
   }
   return {};
 }
+
+}  // namespace
+
+const Dialect kItkSnapNames{{NamesFormat::kItkSnap, "itksnap", "ITK-SNAP labels"},
+                            recognise_itk_snap,
+                            [](const NamesInput& input, NamesCollector& into) {
+                              return read_color_rows(input, ListShape::Colors::kFirst,
+                                                     "label R G B A visible mesh \"name\"", false, into);
+                            }};
+const Dialect kFslEyesNames{
+    {NamesFormat::kFslEyes, "fsleyes", "FSLeyes colour table"},
+    [](std::string_view head) { return shape_of_head(head).colors == ListShape::Colors::kFirst; },
+    [](const NamesInput& input, NamesCollector& into) {
+      return read_color_rows(input, ListShape::Colors::kFirst, "label R G B name", false, into);
+    }};
+const Dialect kFreeSurferNames{{NamesFormat::kFreeSurfer, "freesurfer", "FreeSurfer colour table"},
+                               recognise_freesurfer,
+                               [](const NamesInput& input, NamesCollector& into) {
+                                 return read_color_rows(input, ListShape::Colors::kLast, kColorsLast, false,
+                                                        into);
+                               }};
+const Dialect kCtblNames{{NamesFormat::kCtbl, "ctbl", "3D Slicer colour table"},
+                         [](std::string_view head) {
+                           return head.starts_with(kTable) || head.starts_with(kRamp) ||
+                                  shape_of_head(head).colors == ListShape::Colors::kLast;
+                         },
+                         read_ctbl};
+const Dialect kMricronNames{
+    {NamesFormat::kMricron, "mricron", "list of labels and names"}, recognise_mricron, read_mricron};
 
 }  // namespace splatlas

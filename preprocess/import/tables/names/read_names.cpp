@@ -13,60 +13,35 @@
 namespace splatlas {
 namespace {
 
-struct Dialect {
-  NamesFormatInfo info;
-  bool (*recognise)(std::string_view head);
-  Result<void> (*read)(const NamesInput& input, NamesCollector& into);
-};
-
 /// Detection takes the first that fits: those with a clear mark come first.
 constexpr std::array kDialects{
-    Dialect{{NamesFormat::kItkSnap, "itksnap", "ITK-SNAP labels"}, recognise_itk_snap, read_itk_snap},
-    Dialect{{NamesFormat::kNiivue, "niivue", "NiiVue colour map"}, recognise_niivue, read_niivue},
-    Dialect{{NamesFormat::kOpenAnatomy, "openanatomy", "Open Anatomy atlas"},
-            recognise_open_anatomy,
-            read_open_anatomy},
-    Dialect{{NamesFormat::kBrainGlobe, "brainglobe", "BrainGlobe structures"},
-            recognise_brainglobe,
-            read_brainglobe},
-    Dialect{{NamesFormat::kAllen, "allen", "Allen structure graph"}, recognise_allen, read_allen},
-    Dialect{
-        {NamesFormat::kDcmqi, "dcmqi", "description of a DICOM segmentation"}, recognise_dcmqi, read_dcmqi},
-    Dialect{{NamesFormat::kJson, "json", "JSON class map"}, recognise_json_map, read_json_map},
-    Dialect{{NamesFormat::kFreeSurfer, "freesurfer", "FreeSurfer colour table"},
-            recognise_freesurfer,
-            read_freesurfer},
-    Dialect{{NamesFormat::kBids, "bids", "BIDS segmentation table"}, recognise_bids, read_csv},
-    Dialect{{NamesFormat::kCsv, "csv", "table with columns (CSV or TSV)"}, recognise_csv, read_csv},
-    Dialect{{NamesFormat::kCtbl, "ctbl", "3D Slicer colour table"}, recognise_ctbl, read_ctbl},
-    Dialect{{NamesFormat::kFslEyes, "fsleyes", "FSLeyes colour table"}, recognise_fsleyes, read_fsleyes},
-    Dialect{{NamesFormat::kFsl, "fsl", "FSL atlas"}, recognise_fsl, read_fsl},
-    Dialect{{NamesFormat::kMricron, "mricron", "list of labels and names"}, recognise_mricron, read_mricron},
+    &kItkSnapNames, &kNiivueNames,  &kOpenAnatomyNames, &kBrainGlobeNames, &kAllenNames,
+    &kDcmqiNames,   &kJsonNames,    &kFreeSurferNames,  &kBidsNames,       &kCsvNames,
+    &kCtblNames,    &kFslEyesNames, &kFslNames,         &kMricronNames,
 };
-
-constexpr auto kInfos = [] {
-  std::array<NamesFormatInfo, kDialects.size()> infos{};
-  for (std::size_t n = 0; n < infos.size(); ++n) infos[n] = kDialects[n].info;
-  return infos;
-}();
 
 const Dialect* find_dialect(NamesFormat format, std::string_view text) {
   const std::string_view head = text.substr(0, kNamesHeadBytes);
-  const auto* found = std::ranges::find_if(kDialects, [&](const Dialect& dialect) {
-    return format == NamesFormat::kAuto ? dialect.recognise(head) : dialect.info.format == format;
+  const auto* found = std::ranges::find_if(kDialects, [&](const Dialect* dialect) {
+    return format == NamesFormat::kAuto ? dialect->recognise(head) : dialect->info.format == format;
   });
-  return found == kDialects.end() ? nullptr : found;
+  return found == kDialects.end() ? nullptr : *found;
 }
 
 std::string list_of_options() {
   std::vector<const char*> options;
-  for (const NamesFormatInfo& info : kInfos) options.push_back(info.option);
+  for (const NamesFormatInfo& info : names_formats()) options.push_back(info.option);
   return fmt::format("auto, {}", fmt::join(options, ", "));
 }
 
 }  // namespace
 
 std::span<const NamesFormatInfo> names_formats() {
+  static const auto kInfos = [] {
+    std::array<NamesFormatInfo, kDialects.size()> infos{};
+    std::ranges::transform(kDialects, infos.begin(), &Dialect::info);
+    return infos;
+  }();
   return kInfos;
 }
 
@@ -87,19 +62,6 @@ Result<NamesTable> read_names(const std::filesystem::path& path, NamesFormat for
   table->dialect = dialect->info.format;
   notes.add("names-format", fmt::format("{} is read as {}", path.filename().string(), dialect->info.title));
   return table;
-}
-
-Result<std::array<Rgb, 256>> read_color_table(const std::filesystem::path& path) {
-  SPLATLAS_RETURN_IF_ERROR(check_regular_file(path));
-  const std::string bytes = first_bytes(path, 769);
-  if (bytes.size() != 768)
-    return bad_file(path, "is no colour table: it must be 768 bytes long (256 reds, greens, blues)");
-  std::array<Rgb, 256> colors;
-  for (std::size_t n = 0; n < 256; ++n) {
-    colors[n] = {static_cast<std::uint8_t>(bytes[n]), static_cast<std::uint8_t>(bytes[256 + n]),
-                 static_cast<std::uint8_t>(bytes[512 + n])};
-  }
-  return colors;
 }
 
 }  // namespace splatlas

@@ -94,18 +94,5 @@ RC_GTEST_FIXTURE_PROP(ReadNames, AnySecondLineIsReadOrCounted, ()) {
   RC_ASSERT(table->names.size() + items("faulty-rows").size() + items("duplicate-labels").size() <= 2u);
 }
 
-TEST_F(ReadNames, ReadsColorTables) {
-  std::string table(768, '\0');
-  table[7] = '\x10', table[256 + 7] = '\x20', table[512 + 7] = '\x30';
-  write_bytes(folder_.file("a.lut"), table);
-  const auto colors = read_color_table(folder_.file("a.lut"));
-  ASSERT_TRUE(colors);
-  EXPECT_EQ((*colors)[7], (Rgb{0x10, 0x20, 0x30}));
-  for (const std::size_t size : {0u, 767u, 769u}) {
-    write_bytes(folder_.file("a.lut"), std::string(size, 'x'));
-    EXPECT_FALSE(read_color_table(folder_.file("a.lut")));
-  }
-}
-
 }  // namespace
 }  // namespace splatlas

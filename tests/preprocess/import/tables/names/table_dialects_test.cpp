@@ -87,8 +87,8 @@ TEST_F(TableDialects, ScalesFractionsByTheWholeColumn) {
 
 TEST_F(TableDialects, ReadsFslsAtlases) {
   const std::string labels =
-      "<data><label index=\"0\" x=\"1\">A &amp; B</label><label "
-      "index=\"4\">C</label><label>D</label></data></atlas>";
+      "<data><!-- <label> --><label index=\"0\" x=\"1\">A &amp; B</label><label "
+      "index = '4'>C</label><label>D</label></data></atlas>";
   EXPECT_THAT(
       summaries(names("<?xml version=\"1.0\"?>\n<atlas><type>Label</type>" + labels, NamesFormat::kFsl)),
       ElementsAre("4 C"));

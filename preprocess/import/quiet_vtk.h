@@ -1,9 +1,11 @@
-// VTK without its messages on standard error.
+// VTK without its messages on standard error, and its reader of XML.
 #pragma once
 
 #include <string>
 
 #include <vtkAlgorithm.h>
+#include <vtkSmartPointer.h>
+#include <vtkXMLDataElement.h>
 
 namespace splatlas {
 
@@ -13,5 +15,12 @@ void initialize_vtk();
 
 /// Runs filter.Update() and returns VTK's first error or warning, in one line; else empty. Initialises VTK.
 [[nodiscard]] std::string update_quietly(vtkAlgorithm& filter);
+
+/// The root of an XML text; null if it is not whole.
+[[nodiscard]] vtkSmartPointer<vtkXMLDataElement> parse_xml(const std::string& text);
+/// An attribute; empty if there is none.
+[[nodiscard]] std::string attribute(vtkXMLDataElement& element, const char* name);
+/// The text between the tags of an element; empty for none.
+[[nodiscard]] std::string text_of(vtkXMLDataElement* element);
 
 }  // namespace splatlas

@@ -1,4 +1,4 @@
-#include "preprocess/import/meshes/quiet_vtk.h"
+#include "preprocess/import/quiet_vtk.h"
 
 #include <algorithm>
 #include <exception>
@@ -11,8 +11,9 @@
 #include <vtkNew.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
+#include <vtkXMLUtilities.h>
 
-#include "preprocess/import/import_error.h"
+#include "format/text/ascii_text.h"
 
 namespace splatlas {
 namespace {
@@ -57,6 +58,21 @@ void initialize_vtk() {
     vtkOutputWindow::SetInstance(window);
     vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
   });
+}
+
+vtkSmartPointer<vtkXMLDataElement> parse_xml(const std::string& text) {
+  initialize_vtk();
+  return vtk::TakeSmartPointer(vtkXMLUtilities::ReadElementFromString(text.c_str()));
+}
+
+std::string attribute(vtkXMLDataElement& element, const char* name) {
+  const char* const value = element.GetAttribute(name);
+  return value != nullptr ? value : "";
+}
+
+std::string text_of(vtkXMLDataElement* element) {
+  const char* const text = element != nullptr ? element->GetCharacterData() : nullptr;
+  return text != nullptr ? std::string(trimmed(text)) : "";
 }
 
 std::string update_quietly(vtkAlgorithm& filter) {
