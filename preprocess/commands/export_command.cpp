@@ -5,7 +5,6 @@
 #include "format/program/standard_output.h"
 #include "format/result_macros.h"
 #include "preprocess/commands/commands.h"
-#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {

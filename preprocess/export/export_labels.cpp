@@ -1,7 +1,6 @@
 #include "preprocess/export/export_labels.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cstdint>
 #include <limits>

@@ -1,7 +1,6 @@
 // Writer of mesh files, through VTK, and verification of the written file.
 #pragma once
 
-#include <array>
 #include <filesystem>
 #include <span>
 

@@ -15,7 +15,6 @@
 #include "preprocess/import/meshes/place_mesh.h"
 #include "preprocess/import/notes.h"
 #include "preprocess/import/tables/names_table.h"
-#include "preprocess/structures/build_graph.h"
 #include "preprocess/surfaces/clip_mesh.h"
 
 namespace splatlas {

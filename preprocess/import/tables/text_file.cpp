@@ -4,7 +4,6 @@
 #include <array>
 #include <fstream>
 #include <system_error>
-#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

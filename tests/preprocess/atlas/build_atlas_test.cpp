@@ -10,7 +10,6 @@
 #include "format/atlas_reader.h"
 #include "format/content/decision_tree.h"
 #include "preprocess/export/export_atlas.h"
-#include "preprocess/export/write_image.h"
 #include "tests/preprocess/build_atlas_fixture.h"
 #include "tests/preprocess/messages_of_notes.h"
 #include "tests/preprocess/random_images.h"

@@ -14,7 +14,6 @@
 #include "tests/support/committed.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/fill_classes.h"
-#include "tests/support/run_program.h"
 
 namespace splatlas {
 namespace {

@@ -1,5 +1,4 @@
 // Grids that are widened for surfaces, and grids around surfaces alone.
-#include <algorithm>
 #include <cmath>
 #include <string>
 

@@ -3,9 +3,7 @@
 #include <cmath>
 
 #include <gtest/gtest.h>
-#include <rapidcheck/gtest.h>
 
-#include "preprocess/surfaces/thick_slices.h"
 #include "tests/preprocess/memberships.h"
 #include "tests/support/closed_mesh.h"
 

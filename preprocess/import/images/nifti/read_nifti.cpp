@@ -1,5 +1,4 @@
 #include <cmath>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>

@@ -11,7 +11,6 @@
 #include "preprocess/import/tables/color_text.h"
 #include "preprocess/import/tables/names/dialects.h"
 #include "preprocess/import/tables/table_entries.h"
-#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {

@@ -1,7 +1,6 @@
 // Surfaces in RAS beside labels in LPS, transforms and scales.
 #include <array>
 #include <bit>
-#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>

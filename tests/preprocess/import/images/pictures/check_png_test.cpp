@@ -5,7 +5,6 @@
 #include <zlib.h>
 
 #include "preprocess/import/images/import_image.h"
-#include "preprocess/import/images/pictures/read_pictures.h"
 #include "tests/preprocess/import/images/import_image_fixture.h"
 
 namespace splatlas {
