@@ -46,21 +46,16 @@ class FragmentFilter {
     FragmentFilter filter;
     filter.below_.assign(count, kReportedBelow);
     filter.has_rule_.assign(count, false);
-    const auto set = [&](std::size_t structure, std::uint64_t below) {
-      filter.below_[structure] = below;
-      filter.has_rule_[structure] = true;
-    };
-    for (const FragmentRule& rule : rules) {
-      for (std::size_t s = 0; s < count && rule.name.empty(); ++s) set(s, rule.below);
-    }
-    for (const FragmentRule& rule : rules) {
-      bool found = rule.name.empty();
-      for (std::size_t s = 0; s < count && !rule.name.empty(); ++s) {
-        if (name_key(model.structures[s].name) != name_key(rule.name)) continue;
-        set(s, rule.below);
-        found = true;
-      }
-      if (!found) {
+    for (const bool is_named : {false, true}) {  // a name overrules the rule for all
+      for (const FragmentRule& rule : rules) {
+        if (rule.name.empty() == is_named) continue;
+        bool found = !is_named;
+        for (std::size_t s = 0; s < count; ++s) {
+          if (is_named && name_key(model.structures[s].name) != name_key(rule.name)) continue;
+          filter.below_[s] = rule.below;
+          filter.has_rule_[s] = found = true;
+        }
+        if (found) continue;
         return fail(ErrorCode::kUsage, "--drop-fragments: no label, mask or segment is called {}",
                     in_quotes(rule.name));
       }

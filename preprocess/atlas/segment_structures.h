@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "preprocess/sources/import_sources.h"
+#include "preprocess/structures/build_graph.h"
 
 namespace splatlas {
 

@@ -193,7 +193,7 @@ std::vector<StructureFragments> drop_fragments(MembershipVolume& memberships,
       });
   std::vector<bool> emptied(memberships.voxels().size());
   for (const auto& [structure, voxel] : dropped) {
-    memberships.remove(structure, voxel, 1);
+    memberships.remove(structure, voxel);
     emptied[voxel] = memberships.voxels()[voxel] == 0;
   }
   fill_holes(emptied, memberships);

@@ -59,14 +59,10 @@ void MembershipVolume::widen(const Margin& margin) {
   for (std::size_t a = 0; a < 3; ++a) size_[a] += margin.low[a] + margin.high[a];
 }
 
-void MembershipVolume::remove(StructureIndex structure, std::size_t first, std::size_t count) {
-  for (std::size_t v = first; v < first + count;) {
-    const SetId from = voxels_[v];
-    std::vector<StructureIndex> set = sets_[from];
-    std::erase(set, structure);
-    const SetId to = intern(std::move(set));
-    for (; v < first + count && voxels_[v] == from; ++v) voxels_[v] = to;
-  }
+void MembershipVolume::remove(StructureIndex structure, std::size_t voxel) {
+  std::vector<StructureIndex> set = sets_[voxels_[voxel]];
+  std::erase(set, structure);
+  voxels_[voxel] = intern(std::move(set));
 }
 
 void MembershipVolume::renumber(std::span<const StructureIndex> new_numbers) {

@@ -80,8 +80,8 @@ class MembershipVolume {
   }
   /// Adds empty voxels around.
   void widen(const Margin& margin);
-  /// Removes `structure` from the sets of `count` voxels from `first` on, which must contain it.
-  void remove(StructureIndex structure, std::size_t first, std::size_t count);
+  /// Removes `structure` from the set of a voxel.
+  void remove(StructureIndex structure, std::size_t voxel);
   /// Sets the set of a voxel to that of another one.
   void set(std::size_t voxel, SetId of_another) { voxels_[voxel] = of_another; }
   /// Replaces structure n by `new_numbers[n]`. Cost: linear in the sets.

@@ -13,6 +13,15 @@
 namespace splatlas {
 namespace {
 
+/// What the header of a segmentation tells.
+struct SegmentList {
+  bool is_label_map = false;
+  std::int32_t max_fraction = 1;        ///< of masks
+  std::int32_t background = 0;          ///< of label maps
+  std::vector<SourceSegment> segments;  ///< by their values, which are the segment numbers
+  Notes notes;
+};
+
 struct Code {
   std::string scheme, value;
 };
@@ -47,23 +56,43 @@ SourceSegment segment_in(DcmItem& item, std::int64_t number, Notes& notes) {
 
 Result<void> read_kind(DcmItem& dataset, const std::filesystem::path& path, SegmentList& list) {
   const std::string kind = text_in(dataset, DCM_SegmentationType);
-  if (kind == "BINARY") {
-    list.kind = SegmentationKind::kBinary;
-  } else if (kind == "FRACTIONAL") {
-    list.kind = SegmentationKind::kFractional;
+  if (kind == "FRACTIONAL") {
     constexpr std::int64_t kByte = 255;
     const std::int64_t max = integer_in(dataset, DCM_MaximumFractionalValue).value_or(kByte);
     if (max < 1 || max > kByte)
       return bad_file(path, "has MaximumFractionalValue {}; it must be 1 to 255", max);
     list.max_fraction = static_cast<std::int32_t>(max);
   } else if (kind == "LABELMAP") {
-    list.kind = SegmentationKind::kLabelMap;
+    list.is_label_map = true;
     list.background = static_cast<std::int32_t>(
         std::clamp<std::int64_t>(integer_in(dataset, DCM_PixelPaddingValue).value_or(0), 0, 65535));
-  } else {
+  } else if (kind != "BINARY") {
     return bad_file(path, "is a segmentation of an unknown type; known are BINARY, FRACTIONAL and LABELMAP");
   }
   return {};
+}
+
+/// kFailed for unknown kinds, and segment numbers that repeat or are out of range.
+Result<SegmentList> read_segments(const std::filesystem::path& path) {
+  SPLATLAS_ASSIGN_OR_RETURN(const auto format, open_dicom(path, DicomPart::kHeader));
+  DcmDataset& dataset = *format->getDataset();
+  static_cast<void>(dataset.convertToUTF8());  // labels that are no UTF-8 afterwards are replaced
+  SegmentList list;
+  SPLATLAS_RETURN_IF_ERROR(read_kind(dataset, path, list));
+  constexpr std::int64_t kMaxNumber = 65535;
+  for (DcmItem* const item : items_in(dataset, DCM_SegmentSequence)) {
+    const std::int64_t number = integer_in(*item, DCM_SegmentNumber).value_or(-1);
+    if (list.is_label_map && (number == 0 || number == list.background)) continue;
+    if (number < 1 || number > kMaxNumber)
+      return bad_file(path, "has a segment with number {}; it must be 1 to 65535", number);
+    list.segments.push_back(segment_in(*item, number, list.notes));
+  }
+  std::ranges::stable_sort(list.segments, {}, &SourceSegment::value);
+  const auto twice = std::ranges::adjacent_find(list.segments, {}, &SourceSegment::value);
+  if (twice != list.segments.end())
+    return bad_file(path, "has two segments with number {}; give each its own", twice->value);
+  if (list.segments.empty()) return bad_file(path, "is a segmentation without segments");
+  return list;
 }
 
 /// Layers of segment numbers of type T.
@@ -113,7 +142,7 @@ class Layers {
 
   Result<std::vector<SliceMask>> masks_of(const SourceSegment& segment) {
     std::vector<SliceMask> masks;
-    const std::int32_t max = list_.kind == SegmentationKind::kFractional ? list_.max_fraction : 1;
+    const std::int32_t max = list_.max_fraction;
     std::int32_t largest = 0;
     for (std::size_t k = 0; k < stack_.slices.size(); ++k) {
       bool is_first = true;
@@ -151,7 +180,7 @@ Result<void> fill(const SlicedStack& stack, SegmentList& list, const std::filesy
                   SourceImage& image) {
   Layers<T> layers(stack, list, path);
   image.segments = list.segments;
-  if (list.kind == SegmentationKind::kLabelMap) {
+  if (list.is_label_map) {
     SPLATLAS_RETURN_IF_ERROR(layers.add_labels());
   } else {
     SPLATLAS_RETURN_IF_ERROR(layers.add_masks(image.segments));
@@ -166,7 +195,6 @@ Result<SourceImage> read_segmentation(SlicedStack stack, const std::filesystem::
   SPLATLAS_ASSIGN_OR_RETURN(SegmentList list, read_segments(path));
   const DicomFrame& frame =
       **std::ranges::find_if(stack.slices, [](const auto& s) { return !s.empty(); })->begin();
-  const bool is_label_map = list.kind == SegmentationKind::kLabelMap;
   constexpr int kShort = 16;
   if (frame.pixels.is_signed || frame.pixels.bits_stored > kShort)
     return bad_file(path, "is a segmentation with signed numbers or more than 16 bits, which cannot be");
@@ -177,36 +205,13 @@ Result<SourceImage> read_segmentation(SlicedStack stack, const std::filesystem::
   image.notes.add(list.notes);
   constexpr int kByte = 8;
   const bool is_short =
-      list.segments.back().value > 255 || (is_label_map && frame.pixels.bits_stored > kByte);
+      list.segments.back().value > 255 || (list.is_label_map && frame.pixels.bits_stored > kByte);
   if (is_short) {
     SPLATLAS_RETURN_IF_ERROR(fill<std::uint16_t>(stack, list, path, image));
   } else {
     SPLATLAS_RETURN_IF_ERROR(fill<std::uint8_t>(stack, list, path, image));
   }
   return image;
-}
-
-Result<SegmentList> read_segments(const std::filesystem::path& path) {
-  SPLATLAS_ASSIGN_OR_RETURN(const auto format, open_dicom(path, DicomPart::kHeader));
-  DcmDataset& dataset = *format->getDataset();
-  static_cast<void>(dataset.convertToUTF8());  // labels that are no UTF-8 afterwards are replaced
-  SegmentList list;
-  SPLATLAS_RETURN_IF_ERROR(read_kind(dataset, path, list));
-  constexpr std::int64_t kMaxNumber = 65535;
-  const bool is_label_map = list.kind == SegmentationKind::kLabelMap;
-  for (DcmItem* const item : items_in(dataset, DCM_SegmentSequence)) {
-    const std::int64_t number = integer_in(*item, DCM_SegmentNumber).value_or(-1);
-    if (is_label_map && (number == 0 || number == list.background)) continue;
-    if (number < 1 || number > kMaxNumber)
-      return bad_file(path, "has a segment with number {}; it must be 1 to 65535", number);
-    list.segments.push_back(segment_in(*item, number, list.notes));
-  }
-  std::ranges::stable_sort(list.segments, {}, &SourceSegment::value);
-  const auto twice = std::ranges::adjacent_find(list.segments, {}, &SourceSegment::value);
-  if (twice != list.segments.end())
-    return bad_file(path, "has two segments with number {}; give each its own", twice->value);
-  if (list.segments.empty()) return bad_file(path, "is a segmentation without segments");
-  return list;
 }
 
 SourceSegment named_segment(std::string label, std::int64_t number, Notes& notes) {

@@ -24,20 +24,6 @@ namespace splatlas {
 /// One thread at a time.
 [[nodiscard]] Result<SourceImage> read_segmentation(SlicedStack stack, const std::filesystem::path& path);
 
-enum class SegmentationKind { kBinary, kFractional, kLabelMap };
-
-struct SegmentList {
-  SegmentationKind kind = SegmentationKind::kBinary;
-  std::int32_t max_fraction = 255;      ///< of kFractional
-  std::int32_t background = 0;          ///< of kLabelMap
-  std::vector<SourceSegment> segments;  ///< by their values, which are the segment numbers
-  Notes notes;
-};
-
-/// Reads the header of a segmentation. kFailed for unknown kinds, and segment numbers that repeat or are out
-/// of range. Only labels, colours and codes of the header are returned.
-[[nodiscard]] Result<SegmentList> read_segments(const std::filesystem::path& path);
-
 /// A segment of a file; "segment 7", with a note, if its label cannot be a name.
 [[nodiscard]] SourceSegment named_segment(std::string label, std::int64_t number, Notes& notes);
 
