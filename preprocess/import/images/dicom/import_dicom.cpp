@@ -19,6 +19,7 @@
 #include "preprocess/import/images/dicom/read_segmentation.h"
 #include "preprocess/import/images/dicom/stack_frames.h"
 #include "preprocess/import/import_error.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {
