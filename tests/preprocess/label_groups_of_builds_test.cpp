@@ -6,6 +6,7 @@
 #include "tests/preprocess/build_atlas_fixture.h"
 #include "tests/preprocess/messages_of_notes.h"
 #include "tests/preprocess/random_images.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/file_bytes.h"
 
 namespace splatlas {

@@ -14,6 +14,7 @@
 #include "tests/support/committed.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/fill_classes.h"
+#include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
