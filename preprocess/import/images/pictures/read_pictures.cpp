@@ -167,13 +167,38 @@ Result<SourceImage> read_tiff(const fs::path& path) {
   return image;
 }
 
+/// Orders names by the numbers in them.
+bool comes_before(const std::string& a, const std::string& b) {
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  std::size_t i = 0, j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (!is_digit(a[i]) || !is_digit(b[j])) {
+      if (a[i] != b[j]) return a[i] < b[j];
+      ++i, ++j;
+      continue;
+    }
+    while (i < a.size() && a[i] == '0') ++i;
+    while (j < b.size() && b[j] == '0') ++j;
+    const auto end_of = [&](const std::string& text, std::size_t from) {
+      return static_cast<std::size_t>(
+          std::find_if_not(text.begin() + static_cast<std::ptrdiff_t>(from), text.end(), is_digit) -
+          text.begin());
+    };
+    const std::string x = a.substr(i, end_of(a, i) - i), y = b.substr(j, end_of(b, j) - j);
+    if (x.size() != y.size()) return x.size() < y.size();
+    if (x != y) return x < y;
+    i += x.size(), j += y.size();
+  }
+  return a.size() - i < b.size() - j;
+}
+
 std::vector<fs::path> list_pictures(const fs::path& path) {
   std::error_code error;
   if (!fs::is_directory(path, error)) return {path};
   std::vector<fs::path> files = visible_files(path);
   std::erase_if(files, [](const fs::path& file) { return !is_picture(file); });
-  std::ranges::sort(files, [](const fs::path& a, const fs::path& b) {  // by the numbers in their names
-    return ::strverscmp(a.filename().c_str(), b.filename().c_str()) < 0;
+  std::ranges::sort(files, [](const fs::path& a, const fs::path& b) {
+    return comes_before(a.filename().string(), b.filename().string());
   });
   return files;
 }
