@@ -50,12 +50,11 @@ bool has_preamble(std::string_view bytes) {
 }  // namespace
 
 void prepare_dcmtk() {
-  static const bool done = [] {
+  [[maybe_unused]] static const bool kDone = [] {
     OFLog::configure(OFLogger::OFF_LOG_LEVEL);
     dcmEnableUnknownVRConversion.set(OFTrue);
     return true;
   }();
-  static_cast<void>(done);
 }
 
 bool begins_as_dicom(const std::filesystem::path& file) {

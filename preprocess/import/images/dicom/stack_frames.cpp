@@ -200,11 +200,6 @@ const Vec3& place(const SlicePosition& position) {
   return position.frames.front()->position;
 }
 
-/// a + t (b - a)
-Vec3 between(const Vec3& a, const Vec3& b, double t) {
-  return {std::lerp(a[0], b[0], t), std::lerp(a[1], b[1], t), std::lerp(a[2], b[2], t)};
-}
-
 double distance(const Vec3& a, const Vec3& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
@@ -258,7 +253,9 @@ Result<void> check_line(const Positions& positions, double step_mm, const std::f
     for (const DicomFrame* frame : position.frames) {
       const double height = dot(normal, frame->position) - first.height;
       const double share = positions.size() == 1 ? 0 : height / span_of(positions);
-      const double off = distance(frame->position, between(place(first), place(last), share));
+      Vec3 on_line;
+      for (std::size_t a = 0; a < 3; ++a) on_line[a] = std::lerp(place(first)[a], place(last)[a], share);
+      const double off = distance(frame->position, on_line);
       if (off > max_deviation_mm(step_mm) + kSamePosition) {
         return bad_file(
             path, "has a slice at {} that is {:.4g} mm off the line of the others; dcm2niix resamples them",

@@ -12,7 +12,6 @@
 
 #include "format/result_macros.h"
 #include "preprocess/import/images/dicom/decode/decode_jpeg_2000.h"
-#include "preprocess/import/images/dicom/dicom_item.h"
 #include "preprocess/import/import_error.h"
 #include "preprocess/import/isolation/run_isolated.h"
 
@@ -59,12 +58,11 @@ std::optional<std::vector<std::byte>> frame_fragments(DcmPixelData& pixels, E_Tr
 }
 
 void register_codecs() {
-  static const bool done = [] {
+  [[maybe_unused]] static const bool kDone = [] {
     DJDecoderRegistration::registerCodecs(EDC_never, EUC_never);
     DJLSDecoderRegistration::registerCodecs(EJLSUC_never);
     return true;
   }();
-  static_cast<void>(done);
 }
 
 constexpr const char* kDamaged = "has damaged pixels in frame {}; get the file again";
@@ -164,9 +162,6 @@ Result<void> decode_run_lengths(std::span<const std::byte> bytes, std::size_t sa
 
 DicomPixels::DicomPixels(const DicomFrame& frame)
     : path_(frame.file), format_(frame.pixels), frames_(frame.frames_of_file) {}
-DicomPixels::~DicomPixels() = default;
-DicomPixels::DicomPixels(DicomPixels&&) noexcept = default;
-DicomPixels& DicomPixels::operator=(DicomPixels&&) noexcept = default;
 
 Result<DicomPixels> DicomPixels::open(const DicomFrame& frame) {
   register_codecs();

@@ -10,9 +10,7 @@
 
 #include "format/result.h"
 #include "preprocess/import/images/dicom/dicom_frame.h"
-
-class DcmFileFormat;
-class DcmPixelData;
+#include "preprocess/import/images/dicom/dicom_item.h"
 
 namespace splatlas {
 
@@ -21,9 +19,6 @@ class DicomPixels {
  public:
   /// Opens the file of a frame. kFailed for damaged files, and if they hold fewer pixels than they promise.
   [[nodiscard]] static Result<DicomPixels> open(const DicomFrame& frame);
-  ~DicomPixels();
-  DicomPixels(DicomPixels&&) noexcept;
-  DicomPixels& operator=(DicomPixels&&) noexcept;
 
   /// Decodes frame `index` to its stored values: BitsStored bits up to HighBit, with their sign, row by row.
   /// kFailed for damaged pixels. Cost: the frame; raw pixels of other frames are not read.
