@@ -14,7 +14,7 @@
 
 namespace splatlas {
 
-/// What a structure is. A group has no pieces and holes.
+/// A structure and its measures. A group has no pieces and holes.
 struct StructureRow {
   Structure structure;
   bool is_group = false;

@@ -65,7 +65,7 @@ class BandFragments {
   void finish() { before_slab(static_cast<std::int32_t>(slabs_->count())); }
 
  private:
-  /// What is splatted so far, at a sample.
+  /// Radiance of the slabs splatted so far, at a sample.
   [[nodiscard]] Radiance radiance_at(const SheetSample& sample) const;
   [[nodiscard]] float plane_at(const SheetSample& sample, std::int64_t plane) const {
     const float* const upper = pixels_ + plane * plane_stride_;

@@ -17,7 +17,7 @@ namespace splatlas {
 
 class SheetEnds;
 
-/// What is between the slabs of a volume.
+/// Surfaces between the slabs of a volume.
 struct SheetSurfaces {
   const FragmentList& list;
   const CutRays* cuts;              ///< clip the volume; null: no cut

@@ -15,7 +15,7 @@ using testing::UnorderedElementsAreArray;
 constexpr Index3 kSize{44, 24, 24};
 constexpr double kSpacing = 2;  // mm; voxel (i, j, k) is at (2i, 2j, 2k)
 
-/// What a finding tells, by voxel of its place.
+/// Content of a finding, with the voxel of its place.
 struct Told {
   std::string kind;
   std::vector<std::string> structures;

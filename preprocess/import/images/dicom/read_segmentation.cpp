@@ -13,7 +13,7 @@
 namespace splatlas {
 namespace {
 
-/// What the header of a segmentation tells.
+/// Header of a segmentation.
 struct SegmentList {
   bool is_label_map = false;
   std::int32_t max_fraction = 1;        ///< of masks

@@ -14,7 +14,7 @@ inline constexpr std::size_t kNamesHeadBytes = 64 << 10;
 /// A dialect. The order of the table in read_names.cpp decides between several that recognise a file.
 struct Dialect {
   NamesFormatInfo info;
-  /// Whether the content is of this dialect, by the first bytes of a file.
+  /// True if the first bytes of a file are of this dialect.
   bool (*recognise)(std::string_view head);
   /// Adds the rows. An error means that nothing of the file is usable.
   Result<void> (*read)(const NamesInput& input, NamesCollector& into);
