@@ -49,8 +49,8 @@ Result<std::vector<std::string>> words_of(std::span<char* const> arguments) {
   std::vector<std::string> words;
   for (const std::string_view word : arguments.subspan(1)) {
     if (word.starts_with('@')) {
-      SPLATLAS_ASSIGN_OR_RETURN(const std::vector<TextLine> lines, read_text_lines(word.substr(1)));
-      for (const TextLine& line : lines)
+      SPLATLAS_ASSIGN_OR_RETURN(const std::string text, read_text(word.substr(1)));
+      for (const TextLine& line : lines_of(text))
         std::ranges::move(CLI::detail::split_up(line.text), std::back_inserter(words));
     } else {
       words.emplace_back(word);

@@ -155,18 +155,15 @@ bool note(Result<std::string> result, const std::string& output, ExportedFiles& 
   return is_damage;
 }
 
-Result<std::string> export_table(const Result<std::string>& text, const char* kind, const fs::path& path,
-                                 UnnamedFiles& unnamed) {
-  if (!text) return fail(text.error().code, "{}: {}", path.string(), text.error().message);
-  SPLATLAS_RETURN_IF_ERROR(add_file(path, std::as_bytes(std::span(*text)), unnamed));
-  return fmt::format("{}: {}", path.string(), kind);
-}
-
 /// Writes the outputs in order, up to a failure that is no damage; masks last. True if there is none.
 bool write_outputs(const Atlas& atlas, const std::vector<std::vector<StructureIndex>>& structures,
                    const ExportOptions& options, UnnamedFiles& unnamed, ExportedFiles& files) {
   const auto table = [&](const Result<std::string>& text, const char* kind, const fs::path& path) {
-    return note(export_table(text, kind, path, unnamed), path.string(), files);
+    Result<std::string> line = fmt::format("{}: {}", path.string(), kind);
+    const Result<void> added = text ? add_file(path, std::as_bytes(std::span(*text)), unnamed)
+                                    : fail(text.error().code, "{}: {}", path.string(), text.error().message);
+    if (!added) line = tl::unexpected(added.error());
+    return note(std::move(line), path.string(), files);
   };
   if (!options.names.empty() &&
       !table(names_text(atlas.graph(), options.names_format), "names", options.names))

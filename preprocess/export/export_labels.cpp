@@ -30,16 +30,12 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMaxBytes = kMaxNameCharacters;
 static_assert(kMaxBytes + std::string_view(".nii.gz").size() <= 255);
 
-bool is_safe_character(char c) {
-  return is_ascii_letter_or_digit(c) || c == '_' || c == '-' || c == '.';
-}
-
 /// The name with safe characters only, of at most kMaxBytes. Safe names are unchanged.
 std::string safe_name(std::string_view name) {
   std::string safe;
   bool in_run = false;
   for (const char c : name) {
-    const bool is_safe = is_safe_character(c);
+    const bool is_safe = is_ascii_letter_or_digit(c) || c == '_' || c == '-' || c == '.';
     if (is_safe || !in_run) safe += is_safe ? c : '_';
     in_run = !is_safe;
   }
@@ -85,11 +81,6 @@ Result<std::vector<std::int64_t>> labels_of_classes(const AtlasContent& content,
   return labels;
 }
 
-/// Ending of masks: that of NRRD for grids that NIfTI cannot hold.
-std::string mask_ending(const Grid& grid) {
-  return nifti_header(grid, VoxelType::kUInt8, {}) ? ".nii.gz" : ".nrrd";
-}
-
 /// Structures with a mask: no groups, no external surfaces.
 std::vector<StructureIndex> masked_structures(const StructureGraph& graph, const StructureClasses& classes) {
   std::vector<StructureIndex> masked;
@@ -98,16 +89,6 @@ std::vector<StructureIndex> masked_structures(const StructureGraph& graph, const
     if (!graph[s].external && !is_group) masked.push_back(s);
   }
   return masked;
-}
-
-/// Tells how many ids have files of other names. "" if there are none.
-std::string note_changed_names(const std::vector<std::string>& ids, const std::vector<std::string>& files,
-                               const std::string& ending, const std::string& folder) {
-  std::size_t changed = 0;
-  for (std::size_t n = 0; n < ids.size(); ++n) changed += files[n] == ids[n] + ending ? 0 : 1;
-  if (changed == 0) return {};
-  return fmt::format("{}: {} of the ids are no safe file names; their files have \"_\" in them", folder,
-                     changed);
 }
 
 /// `classes`: the class of each voxel.
@@ -124,7 +105,8 @@ Result<ExportedMasks> write_masks(const AtlasContent& content, const fs::path& p
   const std::vector<StructureIndex> masked = masked_structures(content.graph, structure_classes);
   std::vector<std::string> ids;
   for (const StructureIndex s : masked) ids.push_back(content.graph[s].id);
-  const std::string ending = mask_ending(content.source_grid);
+  const bool fits_nifti = nifti_header(content.source_grid, VoxelType::kUInt8, {}).has_value();
+  const std::string ending = fits_nifti ? ".nii.gz" : ".nrrd";
   const std::vector<std::string> files = file_names_of(ids, ending);
   const auto stored = std::as_bytes(std::span(content.class_volume));
   const VoxelBuffer classes = to_source_order({VoxelType::kUInt32, {stored.begin(), stored.end()}}, content);
@@ -147,8 +129,11 @@ Result<ExportedMasks> write_masks(const AtlasContent& content, const fs::path& p
   if (ending == ".nrrd")
     written.notes.push_back(fmt::format(
         "{}: .nii.gz files cannot hold the atlas's grid; the masks are .nrrd files", path.string()));
-  if (std::string note = note_changed_names(ids, files, ending, path.string()); !note.empty())
-    written.notes.push_back(std::move(note));
+  std::size_t changed = 0;
+  for (std::size_t n = 0; n < ids.size(); ++n) changed += files[n] == ids[n] + ending ? 0 : 1;
+  if (changed > 0)
+    written.notes.push_back(fmt::format(
+        "{}: {} of the ids are no safe file names; their files have \"_\" in them", path.string(), changed));
   return written;
 }
 

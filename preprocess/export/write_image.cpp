@@ -179,18 +179,19 @@ bool holds(const std::string& header, const Grid& grid, const fs::path& path) {
 
 // Headers of NRRD and MetaImage files.
 
+constexpr const char kNrrdHeader[] =
+#include "preprocess/export/nrrd_header.txt"
+    ;
+constexpr const char kMetaImageHeader[] =
+#include "preprocess/export/meta_image_header.txt"
+    ;
 static_assert(std::endian::native == std::endian::little, "voxels are written in the order of the machine");
 
-/// Names by the number of a VoxelType.
-using TypeNames = std::array<const char*, 9>;
-constexpr TypeNames kNrrdTypes{
+// Names by the number of a VoxelType.
+constexpr std::array kNrrdTypes{
     "", "unsigned char", "signed char", "unsigned short", "short", "unsigned int", "int", "float", "double"};
-constexpr TypeNames kMetaTypes{"",         "MET_UCHAR", "MET_CHAR",  "MET_USHORT", "MET_SHORT",
-                               "MET_UINT", "MET_INT",   "MET_FLOAT", "MET_DOUBLE"};
-
-const char* name_in(const TypeNames& names, VoxelType type) {
-  return names[static_cast<std::size_t>(type)];
-}
+constexpr std::array kMetaTypes{"",         "MET_UCHAR", "MET_CHAR",  "MET_USHORT", "MET_SHORT",
+                                "MET_UINT", "MET_INT",   "MET_FLOAT", "MET_DOUBLE"};
 
 /// Replaces -0, and numbers that are too small for is_plausible(), by 0.
 template <std::size_t kCount>
@@ -213,22 +214,8 @@ std::string nrrd_header(const Grid& grid, VoxelType type) {
   const auto direction = [&](std::size_t axis) {
     return fmt::format("({})", fmt::join(scaled_direction(grid, axis, grid.spacing_mm[axis]), ","));
   };
-  return fmt::format(
-      "NRRD0004\n"
-      "# Complete NRRD file format specification at:\n"
-      "# http://teem.sourceforge.net/nrrd/format.html\n"
-      "type: {}\n"
-      "dimension: 3\n"
-      "space: left-posterior-superior\n"
-      "sizes: {}\n"
-      "space directions: {} {} {}\n"
-      "kinds: domain domain domain\n"
-      "endian: little\n"
-      "encoding: gzip\n"
-      "space origin: ({})\n"
-      "\n",
-      name_in(kNrrdTypes, type), fmt::join(grid.size, " "), direction(0), direction(1), direction(2),
-      fmt::join(plausible(grid.origin_lps_mm), ","));
+  return fmt::format(kNrrdHeader, kNrrdTypes[static_cast<std::size_t>(type)], fmt::join(grid.size, " "),
+                     direction(0), direction(1), direction(2), fmt::join(plausible(grid.origin_lps_mm), ","));
 }
 
 /// The same of a MetaImage file with `compressed_bytes` bytes of compressed voxels.
@@ -236,23 +223,9 @@ std::string meta_image_header(const Grid& grid, VoxelType type, std::uint64_t co
   const auto direction = [&](std::size_t axis) {
     return fmt::format("{}", fmt::join(scaled_direction(grid, axis, 1), " "));
   };
-  return fmt::format(
-      "ObjectType = Image\n"
-      "NDims = 3\n"
-      "BinaryData = True\n"
-      "BinaryDataByteOrderMSB = False\n"
-      "CompressedData = True\n"
-      "CompressedDataSize = {}\n"
-      "TransformMatrix = {} {} {}\n"
-      "Offset = {}\n"
-      "CenterOfRotation = 0 0 0\n"
-      "ElementSpacing = {}\n"
-      "DimSize = {}\n"
-      "ElementType = {}\n"
-      "ElementDataFile = LOCAL\n",
-      compressed_bytes, direction(0), direction(1), direction(2),
-      fmt::join(plausible(grid.origin_lps_mm), " "), fmt::join(grid.spacing_mm, " "),
-      fmt::join(grid.size, " "), name_in(kMetaTypes, type));
+  return fmt::format(kMetaImageHeader, compressed_bytes, direction(0), direction(1), direction(2),
+                     fmt::join(plausible(grid.origin_lps_mm), " "), fmt::join(grid.spacing_mm, " "),
+                     fmt::join(grid.size, " "), kMetaTypes[static_cast<std::size_t>(type)]);
 }
 
 Result<void> write_nifti(const Image& image, const fs::path& path, int level, const Sink& sink) {
@@ -262,11 +235,6 @@ Result<void> write_nifti(const Image& image, const fs::path& path, int level, co
   }
   SPLATLAS_RETURN_IF_ERROR(sink(bytes_of_text(header)));
   return sink(image.voxels.bytes);
-}
-
-Result<void> write_nrrd(const Image& image, const fs::path& path, const Sink& sink) {
-  SPLATLAS_RETURN_IF_ERROR(sink(bytes_of_text(nrrd_header(image.grid, image.voxels.type))));
-  return deflate_parts({image.voxels.bytes}, true, kTextHeaderLevel, path, sink);
 }
 
 /// The header holds the number of compressed bytes, so they are kept in memory.
@@ -291,7 +259,9 @@ Result<void> write_whole(const Image& image, const fs::path& path, int level, co
   try {
     switch (format) {
       case ImageFormat::kNifti: return write_nifti(image, path, level, sink);
-      case ImageFormat::kNrrd: return write_nrrd(image, path, sink);
+      case ImageFormat::kNrrd:
+        SPLATLAS_RETURN_IF_ERROR(sink(bytes_of_text(nrrd_header(image.grid, image.voxels.type))));
+        return deflate_parts({image.voxels.bytes}, true, kTextHeaderLevel, path, sink);
       case ImageFormat::kMetaImage: break;
     }
     return write_meta_image(image, path, sink);

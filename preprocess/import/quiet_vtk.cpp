@@ -44,10 +44,6 @@ class SilentWindow : public vtkOutputWindow {
 };
 vtkStandardNewMacro(SilentWindow);
 
-void hear(vtkObject*, unsigned long, void*, void* text) {
-  remember(static_cast<const char*>(text));
-}
-
 }  // namespace
 
 void initialize_vtk() {
@@ -79,7 +75,8 @@ std::string update_quietly(vtkAlgorithm& filter) {
   initialize_vtk();
   first_complaint.clear();
   vtkNew<vtkCallbackCommand> listener;
-  listener->SetCallback(hear);
+  listener->SetCallback(
+      [](vtkObject*, unsigned long, void*, void* text) { remember(static_cast<const char*>(text)); });
   const unsigned long errors = filter.AddObserver(vtkCommand::ErrorEvent, listener);
   const unsigned long warnings = filter.AddObserver(vtkCommand::WarningEvent, listener);
   try {

@@ -75,21 +75,13 @@ Grid storage_grid_of(const SourceModel& model) {
   return reordered(model.source_grid, storage_order(model.source_grid));
 }
 
-double voxels_of(const Grid& grid) {
-  double voxels = 1;
-  for (const std::int64_t size : grid.size) voxels *= static_cast<double>(size);
-  return voxels;
-}
-
 IndexBox box_of_labels(const MembershipVolume& memberships, const Grid& grid) {
   IndexBox box;
   const auto voxels = memberships.voxels();
-  for (std::int64_t k = 0; k < grid.size[2]; ++k) {
-    for (std::int64_t j = 0; j < grid.size[1]; ++j) {
-      for (std::int64_t i = 0; i < grid.size[0]; ++i) {
-        if (voxels[static_cast<std::size_t>(grid.offset(i, j, k))] != 0) box.include(Index3{i, j, k});
-      }
-    }
+  for (std::int64_t v = 0; v < grid.voxels(); ++v) {
+    if (voxels[static_cast<std::size_t>(v)] == 0) continue;
+    const std::int64_t row = v / grid.size[0];
+    box.include(Index3{v % grid.size[0], row % grid.size[1], row / grid.size[1]});
   }
   return box;
 }
@@ -163,8 +155,8 @@ Result<void> fit_grid(SourceModel& model, std::span<const TriangleMesh> meshes, 
   const Margin margin = widens ? margin_for(grid, meshes) : Margin{};
   if (margin.empty()) return {};
   const Grid wide = widened(grid, margin);
-  constexpr double kMostGrowth = 8;
-  if (voxels_of(wide) > kMostGrowth * voxels_of(grid)) {
+  constexpr std::int64_t kMostGrowth = 8;
+  if (wide.voxels() > kMostGrowth * grid.voxels()) {
     return fail(
         ErrorCode::kLimit,
         "--fit-grid: the surfaces would widen the grid from {} to {} voxels; check their frames and scales",

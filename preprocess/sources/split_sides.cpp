@@ -13,13 +13,10 @@ std::vector<std::uint8_t> sides_of_plane(const Grid& grid, double x_mm) {
   const double least = x_mm - 1e-6 * std::ranges::min(grid.spacing_mm);  // despite rounding
   std::vector<std::uint8_t> sides;
   sides.reserve(static_cast<std::size_t>(grid.voxels()));
-  for (std::int64_t k = 0; k < grid.size[2]; ++k) {
-    for (std::int64_t j = 0; j < grid.size[1]; ++j) {
-      for (std::int64_t i = 0; i < grid.size[0]; ++i) {
-        const Vec3 index{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
-        sides.push_back(to_mm.apply(index)[0] >= least ? 1 : 2);
-      }
-    }
+  for (std::int64_t v = 0; v < grid.voxels(); ++v) {
+    const std::int64_t row = v / grid.size[0], j = row % grid.size[1], k = row / grid.size[1];
+    const Vec3 index{static_cast<double>(v % grid.size[0]), static_cast<double>(j), static_cast<double>(k)};
+    sides.push_back(to_mm.apply(index)[0] >= least ? 1 : 2);
   }
   return sides;
 }

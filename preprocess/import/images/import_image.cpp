@@ -54,10 +54,6 @@ bool holds_image_files(const fs::path& folder) {
   });
 }
 
-bool is_dicom_source(const fs::path& path) {
-  return !(is_folder(path) && holds_image_files(path)) && is_dicom(path);
-}
-
 /// A folder is a stack if it holds pictures, and no other images, which may have previews beside them.
 bool is_picture_stack(const fs::path& path) {
   if (!is_folder(path)) return is_picture(path);
@@ -70,7 +66,10 @@ constexpr std::array kFormats{
     ImageFormatEntry{"NRRD (.nrrd, .nhdr, .seg.nrrd)", is_nrrd, read_nrrd},
     ImageFormatEntry{"MetaImage (.mha, .mhd)", is_meta_image, read_meta_image},
     ImageFormatEntry{"FreeSurfer (.mgz, .mgh)", is_mgh, read_mgh},
-    ImageFormatEntry{"DICOM (files or a folder)", is_dicom_source, import_dicom},
+    ImageFormatEntry{
+        "DICOM (files or a folder)",
+        [](const fs::path& path) { return !(is_folder(path) && holds_image_files(path)) && is_dicom(path); },
+        import_dicom},
     ImageFormatEntry{"TIFF or PNG, one file or a folder of slices, with --spacing", is_picture_stack,
                      read_pictures},
 };

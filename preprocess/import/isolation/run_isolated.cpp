@@ -111,9 +111,6 @@ double seconds_of(clockid_t clock) {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// Why a child was ended by its parent.
-enum class Overrun { kNone, kCpu, kWall };
-
 /// Waits for the end of a child for up to 50 ms; it stays waitable. Without `handle` (old kernels) it polls.
 bool has_ended(pid_t child, int handle) {
   pollfd ended{handle, POLLIN, 0};
@@ -140,27 +137,27 @@ class WaitableChildren {
   struct sigaction before_ {};
 };
 
-/// Waits until the child ends, or exceeds a time limit. A child that has ended stays waitable.
-Overrun watch(pid_t child, const Shared& shared, const ChildLimits& limits) {
+/// Waits until the child ends, or exceeds a time limit: then returns that, in seconds, else 0. A child that
+/// has ended stays waitable.
+double watch(pid_t child, const Shared& shared, const ChildLimits& limits) {
   const int handle = static_cast<int>(::syscall(SYS_pidfd_open, child, 0));
   clockid_t child_clock{};
   ::clock_getcpuclockid(child, &child_clock);
   std::uint32_t beats = 0;
   double cpu_begun = 0, wall_begun = seconds_of(CLOCK_MONOTONIC);
-  Overrun overrun = Overrun::kNone;
-  while (overrun == Overrun::kNone) {
-    if (has_ended(child, handle)) break;
+  double exceeded = 0;
+  while (!(exceeded > 0) && !has_ended(child, handle)) {
     const double cpu = seconds_of(child_clock), wall = seconds_of(CLOCK_MONOTONIC);
     if (const std::uint32_t now = shared.beats.load(); now != beats) {
       beats = now;
       cpu_begun = cpu;
       wall_begun = wall;
     }
-    if (cpu - cpu_begun > limits.cpu_seconds) overrun = Overrun::kCpu;
-    if (wall - wall_begun > limits.wall_seconds) overrun = Overrun::kWall;
+    if (cpu - cpu_begun > limits.cpu_seconds) exceeded = limits.cpu_seconds;
+    if (wall - wall_begun > limits.wall_seconds) exceeded = limits.wall_seconds;
   }
   if (handle >= 0) ::close(handle);
-  return overrun;
+  return exceeded;
 }
 
 /// The child's last file, or `path`.
@@ -169,12 +166,11 @@ fs::path file_read(const Shared& shared, const fs::path& path) {
   return length > 0 ? fs::path(std::string(shared.file.data(), length)) : path;
 }
 
-Result<void> check_end(int status, Overrun overrun, const ChildLimits& limits, const fs::path& file) {
-  if (overrun != Overrun::kNone) {
+Result<void> check_end(int status, double exceeded, const ChildLimits& limits, const fs::path& file) {
+  if (exceeded > 0)
     return bad_file(
         file, "reading it took more than {:.0f} seconds without progress; it is damaged, or made to be slow",
-        overrun == Overrun::kCpu ? limits.cpu_seconds : limits.wall_seconds);
-  }
+        exceeded);
   if (WIFSIGNALED(status))
     return bad_file(file, "its reader crashed (signal {}); the file is damaged", WTERMSIG(status));
   switch (WEXITSTATUS(status)) {
@@ -229,13 +225,13 @@ Result<ChildAnswer> run_child(const fs::path& path, const ChildLimits& limits,
     prepare_child(parent, limits);
     answer_as_child(answer, file.get());
   }
-  const Overrun overrun = watch(child, *page.get(), limits);
+  const double exceeded = watch(child, *page.get(), limits);
   ::kill(-child, SIGKILL);  // with its own children
   ::kill(child, SIGKILL);   // before it has a group
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  SPLATLAS_RETURN_IF_ERROR(check_end(status, overrun, limits, file_read(*page.get(), path)));
+  SPLATLAS_RETURN_IF_ERROR(check_end(status, exceeded, limits, file_read(*page.get(), path)));
   return file;
 }
 

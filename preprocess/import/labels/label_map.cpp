@@ -178,11 +178,12 @@ std::string remedy_for(const ImportedLabels& labels, const NamesTable& table) {
 
 /// True for names that tables give to label 0.
 bool is_background(std::string_view name) {
-  const std::string lower = to_lower(name);
-  return std::ranges::any_of(
-      std::array{"background", "unknown", "clear", "none", "outside", "exterior", "undefined", "unlabel",
-                 "unclass", "void", "empty", "zero", "air", "null", "bg", "root", "?"},
-      [&](const char* word) { return lower.find(word) != std::string::npos; });
+  constexpr std::string_view kWords =
+      "background unknown clear none outside exterior undefined unlabel unclass void empty zero air null bg "
+      "root ?";
+  return std::ranges::any_of(split_blanks(kWords), [lower = to_lower(name)](std::string_view word) {
+    return lower.find(word) != std::string::npos;
+  });
 }
 
 void note_shared(ImportedLabels& labels) {

@@ -250,12 +250,10 @@ void transfer(auto& archive, MeshFile& file) {
 
 Result<MeshFormat> mesh_format(const fs::path& path) {
   const std::string ending = to_lower(path.extension().string());
-  if (ending == ".stl") return MeshFormat::kStl;
-  if (ending == ".obj") return MeshFormat::kObj;
-  if (ending == ".ply") return MeshFormat::kPly;
-  if (ending == ".vtk") return MeshFormat::kVtk;
-  if (ending == ".vtp") return MeshFormat::kVtp;
-  if (ending == ".gii") return MeshFormat::kGifti;
+  constexpr std::array kEndings{".stl", ".obj", ".ply",
+                                ".vtk", ".vtp", ".gii"};  // in the order of MeshFormat
+  const auto place = std::ranges::find(kEndings, ending) - kEndings.begin();
+  if (place < std::ssize(kEndings)) return static_cast<MeshFormat>(place);
   if (first_bytes(path, 3) == "\xff\xff\xfe") return MeshFormat::kFreeSurfer;
   return bad_file(
       path, "is of no known type; surfaces end in .stl, .obj, .ply, .vtk, .vtp or .gii, or are FreeSurfer's");

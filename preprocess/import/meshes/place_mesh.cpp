@@ -45,9 +45,9 @@ Result<void> set_option(std::string_view option, MeshSource& source) {
 
 /// 4 x 4 numbers, row by row; the last row is 0 0 0 1.
 Result<Affine> read_transform(const fs::path& path) {
-  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<TextLine> lines, read_text_lines(path));
+  SPLATLAS_ASSIGN_OR_RETURN(const std::string text, read_text(path));
   std::vector<double> numbers;
-  for (const TextLine& line : lines) {
+  for (const TextLine& line : lines_of(text)) {
     for (const std::string_view word : split_blanks(line.text)) {
       const auto number = parse_number(word);
       if (!number || !(std::abs(*number) <= 1e9))

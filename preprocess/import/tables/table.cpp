@@ -82,12 +82,6 @@ std::optional<Column> column_of_language(std::string_view plain) {
   return std::nullopt;
 }
 
-/// "level1" or "Level 2": a name of the path.
-bool is_level(std::string_view plain) {
-  const std::string_view rest = plain.starts_with("level") ? plain.substr(5) : "";
-  return !rest.empty() && rest.find_first_not_of("_0123456789") == std::string_view::npos;
-}
-
 std::vector<std::string> values_of(const Table& table, std::size_t column) {
   std::vector<std::string> values;
   for (const Table::Row& row : table.rows) {
@@ -275,7 +269,8 @@ Column column_of(std::string_view name) {
   if (const Alias* const alias = find_alias(plain)) return alias->column;
   if (const auto code = column_of_code(plain)) return *code;
   if (const auto language = column_of_language(plain)) return *language;
-  if (is_level(plain)) return {ColumnRole::kLevel, {}};
+  const std::string_view level = plain.starts_with("level") ? std::string_view(plain).substr(5) : "";
+  if (!level.empty() && level.find_first_not_of("_0123456789") == level.npos) return {ColumnRole::kLevel, {}};
   for (const std::string_view suffix : {"_id", "_code", "id"}) {  // "FMA ID", "snomed_code"
     if (!plain.ends_with(suffix)) continue;
     const Alias* const alias = find_alias(plain.substr(0, plain.size() - suffix.size()));

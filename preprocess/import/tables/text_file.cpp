@@ -115,11 +115,6 @@ std::vector<TextLine> lines_of(std::string_view text) {
   return result;
 }
 
-Result<std::vector<TextLine>> read_text_lines(const std::filesystem::path& path) {
-  SPLATLAS_ASSIGN_OR_RETURN(const std::string text, read_text(path));
-  return lines_of(text);
-}
-
 std::string first_bytes(const std::filesystem::path& path, std::size_t count) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) return {};  // a pipe would wait

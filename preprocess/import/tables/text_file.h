@@ -28,10 +28,6 @@ struct TextLine {
 /// The lines of a text with any line endings, without blank lines and lines that start with "#".
 [[nodiscard]] std::vector<TextLine> lines_of(std::string_view text);
 
-/// Reads the lines of a UTF-8 file of at most 16 MiB with any line endings. Skips blank lines and lines that
-/// start with "#". kFailed if it cannot be read or is not plain text.
-[[nodiscard]] Result<std::vector<TextLine>> read_text_lines(const std::filesystem::path& path);
-
 /// kFailed unless `path` is a regular file that can be opened for reading.
 [[nodiscard]] Result<void> check_regular_file(const std::filesystem::path& path);
 

@@ -30,17 +30,13 @@ bool holds(double min, double max) {
          max <= static_cast<double>(std::numeric_limits<T>::max());
 }
 
-bool is_whole(const DicomFrame& frame) {
-  const double rounded = std::trunc(frame.intercept);
-  return !(frame.slope < 1 || frame.slope > 1) && !(rounded < frame.intercept || rounded > frame.intercept);
-}
-
 /// The type for all values that the bits of the frames can have: kInt32 if only the pixels can tell.
 VoxelType widest_type(const SlicedStack& stack) {
   double min = std::numeric_limits<double>::infinity(), max = -min;
   for (const auto& slice : stack.slices) {
     const DicomFrame& frame = *slice.front();
-    if (!is_whole(frame)) return VoxelType::kFloat32;
+    if (std::abs(frame.slope - 1) > 0 || std::abs(std::trunc(frame.intercept) - frame.intercept) > 0)
+      return VoxelType::kFloat32;
     min = std::min(min, static_cast<double>(frame.pixels.min()) + frame.intercept);
     max = std::max(max, static_cast<double>(frame.pixels.max()) + frame.intercept);
   }

@@ -2,25 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <utility>
 
 #include "format/text/ascii_text.h"
 
 namespace splatlas {
-namespace {
-
-using TypePair = std::pair<VoxelType, itk::IOComponentEnum>;
-constexpr std::array<TypePair, 8> kTypes{{{VoxelType::kUInt8, itk::IOComponentEnum::UCHAR},
-                                          {VoxelType::kInt8, itk::IOComponentEnum::CHAR},
-                                          {VoxelType::kUInt16, itk::IOComponentEnum::USHORT},
-                                          {VoxelType::kInt16, itk::IOComponentEnum::SHORT},
-                                          {VoxelType::kUInt32, itk::IOComponentEnum::UINT},
-                                          {VoxelType::kInt32, itk::IOComponentEnum::INT},
-                                          {VoxelType::kFloat32, itk::IOComponentEnum::FLOAT},
-                                          {VoxelType::kFloat64, itk::IOComponentEnum::DOUBLE}}};
-
-}  // namespace
-
 std::string message_of(const itk::ExceptionObject& error) {
   // "ITK ERROR: NiftiImageIO(0x55d0c0): Cannot read" -> "Cannot read".
   std::string text = error.GetDescription();
@@ -42,8 +27,10 @@ std::string message_of_teem(const std::string& stack) {
 }
 
 VoxelType voxel_type_of(itk::IOComponentEnum component) {
-  const auto found = std::ranges::find(kTypes, component, &TypePair::second);
-  return found == kTypes.end() ? VoxelType::kNone : found->first;
+  using enum itk::IOComponentEnum;
+  constexpr std::array kTypes{UNKNOWNCOMPONENTTYPE, UCHAR, CHAR, USHORT, SHORT, UINT, INT, FLOAT, DOUBLE};
+  const auto found = std::ranges::find(kTypes, component) - kTypes.begin();
+  return static_cast<VoxelType>(found % std::ssize(kTypes));
 }
 
 Grid grid_of(const itk::ImageIOBase& io) {

@@ -30,15 +30,11 @@ namespace fs = std::filesystem;
 
 /// Direction in LPS of an axis that begins at a side.
 std::optional<Vec3> direction_from(char side) {
-  switch (side) {
-    case 'r': return Vec3{1, 0, 0};
-    case 'l': return Vec3{-1, 0, 0};
-    case 'a': return Vec3{0, 1, 0};
-    case 'p': return Vec3{0, -1, 0};
-    case 'i': return Vec3{0, 0, 1};
-    case 's': return Vec3{0, 0, -1};
-    default: return std::nullopt;
-  }
+  const std::size_t place = std::string_view("rlapis").find(side);
+  if (place == std::string_view::npos) return std::nullopt;
+  Vec3 direction{0, 0, 0};
+  direction[place / 2] = place % 2 == 0 ? 1 : -1;
+  return direction;
 }
 
 using Tiff = std::unique_ptr<TIFF, decltype(&TIFFClose)>;
@@ -167,29 +163,18 @@ Result<SourceImage> read_tiff(const fs::path& path) {
   return image;
 }
 
-/// Orders names by the numbers in them.
-bool comes_before(const std::string& a, const std::string& b) {
-  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
-  std::size_t i = 0, j = 0;
-  while (i < a.size() && j < b.size()) {
-    if (!is_digit(a[i]) || !is_digit(b[j])) {
-      if (a[i] != b[j]) return a[i] < b[j];
-      ++i, ++j;
-      continue;
-    }
-    while (i < a.size() && a[i] == '0') ++i;
-    while (j < b.size() && b[j] == '0') ++j;
-    const auto end_of = [&](const std::string& text, std::size_t from) {
-      return static_cast<std::size_t>(
-          std::find_if_not(text.begin() + static_cast<std::ptrdiff_t>(from), text.end(), is_digit) -
-          text.begin());
-    };
-    const std::string x = a.substr(i, end_of(a, i) - i), y = b.substr(j, end_of(b, j) - j);
-    if (x.size() != y.size()) return x.size() < y.size();
-    if (x != y) return x < y;
-    i += x.size(), j += y.size();
+/// The name with zeros ahead of its numbers: so it sorts by them.
+std::string with_long_numbers(const std::string& name) {
+  constexpr std::size_t kDigits = 256;  // no name of a file is longer
+  std::string result;
+  for (std::size_t at = 0; at < name.size();) {
+    const std::size_t end = std::min(name.find_first_not_of("0123456789", at), name.size());
+    const std::size_t first = std::min(name.find_first_not_of('0', at), end);
+    if (end > at) result.append(kDigits - (end - first), '0').append(name, first, end - first);
+    at = end;
+    if (at < name.size()) result += name[at++];
   }
-  return a.size() - i < b.size() - j;
+  return result;
 }
 
 std::vector<fs::path> list_pictures(const fs::path& path) {
@@ -197,9 +182,8 @@ std::vector<fs::path> list_pictures(const fs::path& path) {
   if (!fs::is_directory(path, error)) return {path};
   std::vector<fs::path> files = visible_files(path);
   std::erase_if(files, [](const fs::path& file) { return !is_picture(file); });
-  std::ranges::sort(files, [](const fs::path& a, const fs::path& b) {
-    return comes_before(a.filename().string(), b.filename().string());
-  });
+  std::ranges::sort(files, {},
+                    [](const fs::path& file) { return with_long_numbers(file.filename().string()); });
   return files;
 }
 

@@ -14,6 +14,11 @@ namespace splatlas {
 
 namespace fs = std::filesystem;
 
+/// A unit of length, or the beginning of its name, and its millimetres, a line each.
+constexpr std::string_view kUnits =
+#include "preprocess/import/images/pixels/units.txt"
+    ;
+
 std::string shown(const std::string& value) {
   std::size_t end = value.size();
   for (const char* mark : {": ", " = ", ":=", " #"}) end = std::min(end, value.find(mark));
@@ -42,26 +47,13 @@ Result<fs::path> pixel_file_beside(const fs::path& header, const std::string& na
 }
 
 std::optional<double> mm_of_unit(std::string_view unit) {
-  static constexpr std::pair<const char*, double> kUnits[] = {{"", 1},
-                                                              {"?", 1},
-                                                              {"mm", 1},
-                                                              {"millimet", 1},
-                                                              {"um", 1e-3},
-                                                              {"\xc2\xb5m", 1e-3},
-                                                              {"\xce\xbcm", 1e-3},
-                                                              {"micro", 1e-3},
-                                                              {"nm", 1e-6},
-                                                              {"nanomet", 1e-6},
-                                                              {"cm", 10},
-                                                              {"centimet", 10},
-                                                              {"m", 1000},
-                                                              {"met", 1000},
-                                                              {"in", 25.4}};
   const std::string lower = to_lower(trimmed(unit));
-  const auto* found = std::ranges::find_if(kUnits, [&](const auto& one) {
-    return lower == one.first || (std::string_view(one.first).size() > 2 && lower.starts_with(one.first));
-  });
-  return found == std::end(kUnits) ? std::nullopt : std::optional(found->second);
+  const std::vector<std::string_view> words = split_blanks(kUnits);
+  for (std::size_t n = 0; n < words.size(); n += 2) {
+    if (lower == words[n] || (words[n].size() > 2 && lower.starts_with(words[n])))
+      return parse_number(words[n + 1]);
+  }
+  return lower.empty() ? std::optional(1.0) : std::nullopt;
 }
 
 Result<std::uint64_t> payload_bytes(const fs::path& path, std::span<const std::int64_t> sizes,

@@ -28,12 +28,6 @@ const Dialect* find_dialect(NamesFormat format, std::string_view text) {
   return found == kDialects.end() ? nullptr : *found;
 }
 
-std::string list_of_options() {
-  std::vector<const char*> options;
-  for (const NamesFormatInfo& info : names_formats()) options.push_back(info.option);
-  return fmt::format("auto, {}", fmt::join(options, ", "));
-}
-
 }  // namespace
 
 std::span<const NamesFormatInfo> names_formats() {
@@ -51,8 +45,10 @@ Result<NamesTable> read_names(const std::filesystem::path& path, NamesFormat for
   if (dialect == nullptr) {
     const std::vector<TextLine> lines = lines_of(std::string_view(text).substr(0, kNamesHeadBytes));
     if (lines.empty()) return bad_file(path, "names no label");
+    std::string options = "auto";
+    for (const NamesFormatInfo& info : names_formats()) options += std::string(", ") + info.option;
     return bad_file(path, "line {}: {} begins no known table of names; give one of: --names-format {}",
-                    lines.front().number, in_quotes(lines.front().text), list_of_options());
+                    lines.front().number, in_quotes(lines.front().text), options);
   }
   const NamesInput input{path, std::move(text), dialect->info.title};
   NamesCollector collector(input, notes);
