@@ -107,7 +107,10 @@ class SourceImporter {
   Result<void> import_tree() {
     if (files_.tree.empty()) return {};
     model_.tree_file = files_.tree.string();
-    SPLATLAS_ASSIGN_OR_RETURN(model_.tree, read_tree(files_.tree, notes_));
+    std::error_code other;
+    Notes same;  // of a file that is read as names, too, and told then
+    const bool is_same = fs::equivalent(files_.tree, files_.names, other);
+    SPLATLAS_ASSIGN_OR_RETURN(model_.tree, read_tree(files_.tree, is_same ? same : notes_));
     return remember("tree", files_.tree);
   }
 

@@ -56,6 +56,11 @@ TEST_F(LabelGroups, ShareALatticeAndOverlap) {
   EXPECT_EQ(graph.paths(graph.find("left/Cortex").value()[0])[0], "Brain/left/Cortex");
   EXPECT_EQ(graph[graph.find("right_Cortex").value()[0]].label, 1);
   EXPECT_THAT(graph.find("Cortex"), FailsWith(ErrorCode::kNotFound, HasSubstr("right/Cortex")));
+  write_bytes(file("a.json"), R"([{"id":1,"name":"A","structure_id_path":[1]},{"id":1,"name":"B"}])");
+  scene.sources.names = scene.sources.tree = file("a.json");  // is read twice, and told once
+  Notes notes;
+  ASSERT_TRUE(build_atlas(scene, notes));
+  EXPECT_THAT(items_of(notes, "duplicate-labels"), ElementsAre("label 1 at a.json entry 2"));
 }
 
 TEST_F(LabelGroups, RefuseWhatDoesNotFit) {
