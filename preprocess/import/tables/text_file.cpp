@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <iterator>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -37,6 +39,18 @@ class LineReader {
 
 std::string_view without_plus(std::string_view text) {
   return text.starts_with('+') ? text.substr(1) : text;
+}
+
+/// Turns XML that declares ISO-8859-1 into UTF-8, which it may be all the same.
+void decode_latin_1(std::string& text) {
+  constexpr std::string_view kLatin1 = "iso-8859-1";
+  const std::size_t at =
+      text.starts_with("<?xml") ? to_lower(text.substr(0, text.find("?>"))).find(kLatin1) : std::string::npos;
+  if (at == std::string::npos) return;
+  text.replace(at, kLatin1.size(), "UTF-8");
+  if (utf8::is_valid(text.begin(), text.end())) return;
+  for (const char c : std::exchange(text, {}))
+    utf8::append(static_cast<unsigned char>(c), std::back_inserter(text));
 }
 
 }  // namespace
@@ -94,6 +108,7 @@ Result<std::string> read_text(const std::filesystem::path& path) {
   if (all.starts_with("PK\3\4") || all.starts_with("\xd0\xcf\x11\xe0"))
     return bad_file(path, "is a workbook (Excel, LibreOffice) or an archive; save its table as CSV");
   if (all.starts_with("\xef\xbb\xbf")) all.erase(0, 3);  // byte order mark
+  decode_latin_1(all);
   std::size_t number = 0;
   for (LineReader lines(all); const auto line = lines.next();) {
     if (++number > kMaxTextLines) return bad_file(path, "has more than {} lines", kMaxTextLines);

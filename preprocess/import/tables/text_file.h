@@ -22,7 +22,8 @@ struct TextLine {
   std::string text;        ///< trimmed
 };
 
-/// Reads a UTF-8 file of at most 16 MiB, without its byte order mark. kFailed unless it is plain text.
+/// Reads a UTF-8 file of at most 16 MiB, without its byte order mark, or XML that declares ISO-8859-1, as
+/// UTF-8. kFailed unless it is plain text.
 [[nodiscard]] Result<std::string> read_text(const std::filesystem::path& path);
 
 /// The lines of a text with any line endings, without blank lines and lines that start with "#".

@@ -78,28 +78,20 @@ TEST_F(TableDialects, FindsColumnsByTheirValues) {
               ElementsAre("5 spleen #80ff00", "3 liver #0000ff"));
 }
 
-TEST_F(TableDialects, ScalesFractionsByTheWholeColumn) {
-  EXPECT_THAT(summaries(names("label,name,r,g,b\n1,A,1,0,0\n2,B,0,1,0.2\n", NamesFormat::kCsv)),
-              ElementsAre("1 A #ff0000", "2 B #00ff33"));
-  EXPECT_THAT(summaries(names("label,name,r,g,b\n1,A,1,0,0\n2,B,0,2,0\n", NamesFormat::kCsv)),
-              ElementsAre("1 A #010000", "2 B #000200"));
-}
-
+/// Latin-1's 0xe9 is U+00E9. UTF-8 below the same declaration stays.
 TEST_F(TableDialects, ReadsFslsAtlases) {
-  const std::string labels =
-      "<data><!-- <label> --><label index=\"0\" x=\"1\">A &amp; B</label><label "
-      "index = '4'>C</label><label>D</label></data></atlas>";
-  EXPECT_THAT(
-      summaries(names("<?xml version=\"1.0\"?>\n<atlas><type>Label</type>" + labels, NamesFormat::kFsl)),
-      ElementsAre("4 C"));
+  const auto labels = [](const std::string& c) {
+    return "<data><!-- <label> --><label index=\"0\" x=\"1\">A &amp; B</label><!-- \" --><label index = "
+           "'4'>" +
+           c + "</label><label>D</label></data></atlas>";
+  };
+  for (const char* c : {"\xe9", "\xc3\xa9"})
+    EXPECT_THAT(summaries(names("<?xml version='1.0' encoding='ISO-8859-1'?>\n<atlas>" + labels(c),
+                                NamesFormat::kFsl)),
+                ElementsAre("4 \xc3\xa9"));
   EXPECT_THAT(items("faulty-rows"), ElementsAre("names.txt entry 3: \"D\" has no index"));
-  EXPECT_THAT(summaries(names("<atlas><type>Probabilistic</type>" + labels, NamesFormat::kFsl)),
+  EXPECT_THAT(summaries(names("<atlas><type>Probabilistic</type>" + labels("C"), NamesFormat::kFsl)),
               ElementsAre("1 A & B", "5 C"));
-}
-
-TEST_F(TableDialects, RefusesWorkbooks) {
-  EXPECT_THAT(error("PK\3\4" + std::string(20, '\0')),
-              HasSubstr("is a workbook (Excel, LibreOffice) or an archive"));
 }
 
 TEST_F(TableDialects, ReadsTermsOfOtherVocabularies) {
@@ -136,7 +128,9 @@ TEST_F(TableDialects, CountsColoursThatCannotBeRead) {
   EXPECT_THAT(items("bad-colors"), ElementsAre("names.txt line 2: \"255,foo,21\""));
 }
 
-TEST_F(TableDialects, RefusesTablesThatLackColumns) {
+TEST_F(TableDialects, RefusesWorkbooksAndTablesThatLackColumns) {
+  EXPECT_THAT(error("PK\3\4" + std::string(20, '\0')),
+              HasSubstr("is a workbook (Excel, LibreOffice) or an archive"));
   EXPECT_THAT(error("Name,Color_R,Color_G,Color_B\none,1,2,3\n"), HasSubstr("LabelValue is missing"));
   EXPECT_THAT(error("LabelValue,Name,Color_R,Color_G\n1,one,1,2\n"),
               HasSubstr("has 2 of the three colour columns red, green and blue; add the third"));
