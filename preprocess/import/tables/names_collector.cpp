@@ -60,8 +60,8 @@ void NamesCollector::add_fault(std::size_t line, const std::string& fault) {
   notes_.add("faulty-rows", fmt::format("{}: {}", place(line), fault));
 }
 
-void NamesCollector::add_bad_color(std::size_t line, std::string_view value) {
-  notes_.add("bad-colors", fmt::format("{}: {}", place(line), in_quotes(value)));
+void NamesCollector::add_note(std::string_view kind, std::size_t line, std::string_view value) {
+  notes_.add(kind, fmt::format("{}: {}", place(line), in_quotes(value)));
 }
 
 void NamesCollector::add_ignored_column(std::string_view name) {

@@ -46,8 +46,8 @@ class NamesCollector {
   void add(std::string_view label, LabelName name);
   /// A row that cannot be used.
   void add_fault(std::size_t line, const std::string& fault);
-  /// A colour that cannot be read; its row has none.
-  void add_bad_color(std::size_t line, std::string_view value);
+  /// A value to note, such as a colour that cannot be read.
+  void add_note(std::string_view kind, std::size_t line, std::string_view value);
   /// A column that no reader knows.
   void add_ignored_column(std::string_view name);
 

@@ -102,7 +102,7 @@ class EntryReader {
     const std::string text = color_text(row);
     if (text.empty()) return;
     entry.name.color = parse_table_color(text, color_scale_);
-    if (!entry.name.color) into_.add_bad_color(row.line, text);
+    if (!entry.name.color) into_.add_note("bad-colors", row.line, text);
   }
 
   /// Adds a term once: two columns may have the same code.

@@ -153,7 +153,7 @@ class OpenAnatomyReader {
     if (const auto rgb = parse_css_color(color)) {
       line.color = ColorRange{*rgb, *rgb};
     } else if (!color.empty()) {
-      into_.add_bad_color(number, color);
+      into_.add_note("bad-colors", number, color);
     }
     if (is_structure) add_name(object, line);
     lines_.push_back(std::move(line));
@@ -246,13 +246,6 @@ Result<void> read_allen(const NamesInput& input, NamesCollector& into) {
   return add_table(table, input, into);
 }
 
-// BrainGlobe's structures.json: a list of structures with the path of ids to each.
-
-Result<void> read_brainglobe(const NamesInput& input, NamesCollector& into) {
-  SPLATLAS_ASSIGN_OR_RETURN(const Json json, parse_json(input));
-  return read_objects(input, json, into);
-}
-
 // dcmqi's description of a DICOM segmentation: lists of segments, one a file.
 
 Result<void> read_dcmqi(const NamesInput& input, NamesCollector& into) {
@@ -279,7 +272,7 @@ Result<void> read_json_map(const NamesInput& input, NamesCollector& into) {
   SPLATLAS_ASSIGN_OR_RETURN(const Json json, parse_json(input));
   const bool is_wrapped = json.is_object() && json.contains("labels") && json["labels"].is_object();
   const Json& map = is_wrapped ? json["labels"] : json;
-  if (!map.empty() && map.front().is_object()) return read_objects(input, map, into);
+  if (!map.empty() && map.front().is_object()) return read_objects(input, map, into);  // also BrainGlobe's
   const auto is_pair = [](const auto& item) {
     return item.value().is_string() || (item.value().is_number() && !parse_label(item.key()));
   };
@@ -336,7 +329,7 @@ const Dialect kAllenNames{{NamesFormat::kAllen, "allen", "Allen structure graph"
                           read_allen};
 const Dialect kBrainGlobeNames{{NamesFormat::kBrainGlobe, "brainglobe", "BrainGlobe structures"},
                                [](std::string_view head) { return has_json_key(head, "structure_id_path"); },
-                               read_brainglobe};
+                               read_json_map};
 const Dialect kDcmqiNames{{NamesFormat::kDcmqi, "dcmqi", "description of a DICOM segmentation"},
                           [](std::string_view head) { return has_json_key(head, "segmentAttributes"); },
                           read_dcmqi};

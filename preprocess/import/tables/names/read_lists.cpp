@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -27,7 +28,9 @@ struct ListRow {
 /// The place and number of the colour channels in most rows of a list.
 struct ListShape {
   enum class Colors { kNone, kFirst, kLast } colors = Colors::kNone;
-  std::size_t numbers = 0;  ///< R G B, and A or further ones
+  std::size_t numbers = 0;     ///< R G B, and A or further ones
+  bool leaves_number = false;  ///< to the name: "T 1 0.8 0.2 0.1"
+  bool is_doubtful = false;    ///< that number may be red as well
 };
 
 bool is_finite_number(std::string_view word) {
@@ -91,6 +94,33 @@ bool are_alphas(const std::vector<double>& values) {
   return least == most || (least >= 0 && most <= 1) || 2 * full > std::ssize(values);
 }
 
+/// Leaves the first of the numbers behind the name to it, if it is whole in all rows and fractions follow. It
+/// is no red if it exceeds 1, or if the names would be equal without it. It is red if the last is an opacity,
+/// as 1 is.
+void leave_number(std::span<const ListRow* const> rows, const std::vector<double>& alphas, ListShape& shape) {
+  std::set<std::string_view> names;
+  double most = 0, most_behind = 0;
+  bool has_fractions = false;
+  for (const ListRow* row : rows) {
+    const auto numbers = std::span(row->words).last(shape.numbers);
+    const auto first = parse_integer(numbers[0]);
+    if (!first || row->words[row->words.size() - shape.numbers - 1].ends_with('"')) return;
+    const char* const name = row->words[0].data();
+    names.insert(trimmed({name, static_cast<std::size_t>(numbers[0].data() - name)}));
+    most = std::max(most, static_cast<double>(*first));
+    for (const std::string_view channel : numbers.subspan(1, 3)) {
+      most_behind = std::max(most_behind, parse_number(channel).value_or(0));
+      has_fractions = has_fractions || !parse_integer(channel);
+    }
+  }
+  const bool are_equal = names.size() < rows.size();
+  const bool is_opacity = std::ranges::none_of(alphas, [](double a) { return std::floor(a) != a; }) ||
+                          (alphas.size() > 1 && std::ranges::min(alphas) == std::ranges::max(alphas));
+  if (!(most_behind > 0 && most_behind <= 1) || !(has_fractions || are_equal) || (most <= 1 && is_opacity))
+    return;
+  shape = {shape.colors, shape.numbers - 1, true, most <= 1 && !are_equal};
+}
+
 /// The shape with colours at `place`: R G B, A, type behind the name; R G B, A, visible and mesh ahead of it.
 /// All rows with three numbers have them, and the fourth is an opacity; what is left of them belongs to the
 /// name. No numbers unless most rows have three, or `some`.
@@ -112,7 +142,10 @@ ListShape shape_at(ListShape::Colors place, std::span<const ListRow> rows, bool 
         alphas.push_back(
             parse_number(row->words[is_last ? row->words.size() - numbers + 3 : 3]).value_or(-1));
     }
-    if (!alphas.empty() && are_alphas(alphas)) return {place, numbers};
+    if (alphas.empty() || !are_alphas(alphas)) continue;
+    ListShape shape{place, numbers};
+    if (is_last) leave_number(colored, alphas, shape);
+    return shape;
   }
   return {place, 3};
 }
@@ -147,8 +180,9 @@ std::span<const std::string_view> channels_of(const ListRow& row, const ListShap
   const std::span words(row.words);
   if (shape.colors == ListShape::Colors::kFirst)
     return row.numbers_first >= shape.numbers ? words.first(shape.numbers) : words.first(0);
-  const bool has_type = shape.numbers == 4 && row.numbers_last == 5 && words.size() == 6 &&
-                        words.back() != "0" && words[4] == "0";  // of a few rows of FreeSurfer
+  const bool has_type = shape.numbers == 4 && !shape.leaves_number &&
+                        row.numbers_last == 5 &&  // FreeSurfer's
+                        words.size() == 6 && words.back() != "0" && words[4] == "0";
   const std::size_t count = shape.numbers + (has_type ? 1 : 0);
   return row.numbers_last >= shape.numbers ? words.last(count) : words.first(0);
 }
@@ -166,6 +200,7 @@ Result<void> read_color_rows(const NamesInput& input, ListShape::Colors place, c
     return input.refuse(fmt::format("line {}: {} is not: {}; correct it, or give another --names-format",
                                     lines.front().number, in_quotes(lines.front().text), layout));
   }
+  if (shape.is_doubtful) into.add_note("names-or-red", rows.front().line, rows.front().text);
   std::vector<std::string> colors;
   for (const ListRow& row : rows) {
     const auto channels = channels_of(row, shape);
@@ -184,7 +219,7 @@ Result<void> read_color_rows(const NamesInput& input, ListShape::Colors place, c
     LabelName name;
     name.line = line.number;
     name.color = parse_table_color(color, scale);
-    if (!name.color) into.add_bad_color(line.number, color.empty() ? line.text : color);
+    if (!name.color) into.add_note("bad-colors", line.number, color.empty() ? line.text : color);
     if (are_last) {
       const std::size_t words =
           channels > 0 ? one.words.size() - channels : std::min<std::size_t>(1, one.words.size());

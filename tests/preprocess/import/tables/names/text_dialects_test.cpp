@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "format/text/ascii_text.h"
 #include "tests/preprocess/import/tables/names_cases.h"
 
 namespace splatlas {
@@ -51,9 +52,6 @@ TEST_F(TextDialects, ReadsFreeSurfersTables) {
                               "1001 ctx_lh_x 25 100 40 0 1",
                               NamesFormat::kFreeSurfer)),
               ElementsAre("17 Left-Hippocampus #dcd814", "902 Artery #ff0000", "1001 ctx_lh_x #196428"));
-}
-
-TEST_F(TextDialects, ReadsFastSurfersTables) {
   EXPECT_THAT(
       summaries(names("# Cerebellar parcellation labels\nID\tLabelName           \tR\tG\tB\tA\n"
                       "0\tUnknown             \t0\t0\t0\t0\n1\tLeft_I_IV           \t70\t130\t180\t0\n",
@@ -105,6 +103,28 @@ TEST_F(TextDialects, ReadsColoursWhereAllRowsHaveThem) {
               ElementsAre("1 liver", "2 heart", "3 BA 1 2"));
 }
 
+/// A list, its first and last structure, and perhaps a doubt, a line each.
+constexpr std::string_view kNumbers =
+#include "tests/preprocess/import/tables/names/numbers_in_names.txt"
+    ;
+
+/// A whole number ahead of fractions: of the name or red, as all rows allow.
+TEST_F(TextDialects, ReadsNamesThatEndInANumberBeforeFractions) {
+  for (const std::string_view line : split(kNumbers, '\n')) {
+    const std::vector<std::string_view> parts = split(line, '|');
+    std::string text(parts[0]);
+    std::ranges::replace(text, ';', '\n');
+    const auto list = names(text, NamesFormat::kCtbl);
+    EXPECT_EQ(summary(list.front()), parts[1]);
+    EXPECT_EQ(summary(list.back()), parts[2]);
+    EXPECT_EQ(items("names-or-red").size(), parts.size() - 3) << line;
+  }
+  names("1 T 1 0.8 0.2 0.1\n", NamesFormat::kCtbl);
+  EXPECT_THAT(messages_of(notes_)[0],
+              HasSubstr("header label,name,r,g,b or label,name,r,g,b,a decide: names.txt "
+                        "line 1: \"1 T 1 0.8 0.2 0.1\""));
+}
+
 TEST_F(TextDialects, ReadsAalsFile) {
   const auto list = names("1 Precentral_L 2001\r\n2 Precentral_R 2002\r\n\r\n", NamesFormat::kMricron);
   EXPECT_THAT(summaries(list), ElementsAre("1 Precentral_L", "2 Precentral_R"));
@@ -122,9 +142,6 @@ TEST_F(TextDialects, ReadsNamesOfSeveralWordsTabsAndQuotes) {
   EXPECT_EQ(list[0].line, 3u);
   EXPECT_FALSE(list[1].code);
   EXPECT_EQ(list[2].code, 5);
-}
-
-TEST_F(TextDialects, TakesCommasInNamesOfLists) {
   EXPECT_THAT(summaries(names("7 lobe, label\n8 x\n", NamesFormat::kMricron)),
               ElementsAre("7 lobe, label", "8 x"));
 }
