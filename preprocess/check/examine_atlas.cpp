@@ -13,6 +13,7 @@
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
 #include "preprocess/classify/segment_volume.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {
@@ -24,20 +25,6 @@ constexpr std::string_view kFindings =
 constexpr std::string_view kHeadWords =
 #include "preprocess/check/head_words.txt"
     ;
-
-/// The words of a name, in lower case.
-std::vector<std::string> words_of(std::string_view name) {
-  std::vector<std::string> words(1);
-  for (const char c : name) {
-    if (is_ascii_letter_or_digit(c) || static_cast<unsigned char>(c) >= 0x80) {
-      words.back() += to_lower(c);
-    } else if (!words.back().empty()) {
-      words.emplace_back();
-    }
-  }
-  if (words.back().empty()) words.pop_back();
-  return words;
-}
 
 /// The side that a name tells, and the name with "*" in its place.
 struct SidedName {

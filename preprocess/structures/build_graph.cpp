@@ -305,13 +305,15 @@ class PathPlacer {
 };
 
 /// Graph of the sources without parents, for lookups by name and pattern.
-Result<StructureGraph> graph_of_sources(std::span<const SourceStructure> sources, UniqueIds& ids) {
+Result<StructureGraph> graph_of_sources(std::span<const SourceStructure> sources, UniqueIds& ids,
+                                        DefaultColors& colors) {
   std::vector<Structure> structures;
   for (const SourceStructure& source : sources) {
     Structure structure;
     structure.id = ids.claim(source.group.empty() ? source.name : source.group + " " + source.name);
     structure.name = source.name;
-    structure.color = source.color.value_or(default_color(structures.size()));
+    structure.color =
+        source.color ? *source.color : colors.next(source.name, source.terms, structures.size());
     structure.label = source.label;
     structure.external = source.external;
     structure.terms = source.terms;
@@ -325,9 +327,10 @@ Result<StructureGraph> graph_of_sources(std::span<const SourceStructure> sources
 Result<PlacedStructures> build_graph(std::span<const SourceStructure> sources,
                                      std::span<const TreeLine> lines, const std::string& file, Notes& notes) {
   UniqueIds ids;
-  SPLATLAS_ASSIGN_OR_RETURN(StructureGraph flat, graph_of_sources(sources, ids));
+  DefaultColors colors;
+  SPLATLAS_ASSIGN_OR_RETURN(StructureGraph flat, graph_of_sources(sources, ids, colors));
   const SourceLookup lookup(sources, std::move(flat));
-  GraphParts parts(lookup.flat(), ids);
+  GraphParts parts(lookup.flat(), ids, colors);
   std::vector<TreeLine> paths;
   std::vector<TreeLine> nodes;
   for (const TreeLine& line : lines) (line.node ? nodes : paths).push_back(line);

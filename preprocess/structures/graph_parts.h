@@ -12,6 +12,7 @@
 
 #include "format/content/structure_graph.h"
 #include "format/text/ascii_text.h"
+#include "preprocess/structures/default_colors.h"
 
 namespace splatlas {
 
@@ -35,8 +36,8 @@ class UniqueIds {
 /// Numbers sources and groups by their first use, and collects their parents.
 class GraphParts {
  public:
-  GraphParts(const StructureGraph& flat, UniqueIds& ids)
-      : flat_(flat), ids_(ids), index_of_source_(flat.size(), kNoStructure) {}
+  GraphParts(const StructureGraph& flat, UniqueIds& ids, DefaultColors& colors)
+      : flat_(flat), ids_(ids), colors_(colors), index_of_source_(flat.size(), kNoStructure) {}
 
   /// The structure of a source, placed at its first use.
   StructureIndex place_source(StructureIndex source) {
@@ -52,7 +53,7 @@ class GraphParts {
     Structure group;
     group.id = ids_.claim(map == kNoStructure ? name : structures_[map].name + " " + name);
     group.name = name;
-    group.color = default_color(structures_.size());
+    group.color = colors_.next(name, {}, structures_.size());
     structures_.push_back(std::move(group));
     return static_cast<StructureIndex>(structures_.size() - 1);
   }
@@ -85,6 +86,7 @@ class GraphParts {
  private:
   const StructureGraph& flat_;
   UniqueIds& ids_;
+  DefaultColors& colors_;
   std::vector<Structure> structures_;
   std::vector<StructureIndex> index_of_source_;
 };

@@ -194,6 +194,20 @@ Result<void> check_structure_name(std::string_view name) {
   return {};
 }
 
+std::vector<std::string> words_of(std::string_view name) {
+  std::vector<std::string> words(1);
+  char last = ' ';
+  for (const char c : name) {
+    const bool is_in_word = is_ascii_letter_or_digit(c) || static_cast<unsigned char>(c) >= 0x80;
+    const bool begins = to_lower(c) != c && last >= 'a' && last <= 'z';
+    if ((begins || !is_in_word) && !words.back().empty()) words.emplace_back();
+    if (is_in_word) words.back() += to_lower(c);
+    last = c;
+  }
+  if (words.back().empty()) words.pop_back();
+  return words;
+}
+
 std::string name_key(std::string_view name) {
   return to_lower(trimmed(name));
 }

@@ -59,6 +59,9 @@ inline constexpr std::size_t kMaxNameCharacters = 200;
 /// newlines), and invalid UTF-8. The message contains the name; callers add the location.
 [[nodiscard]] Result<void> check_structure_name(std::string_view name);
 
+/// The words of a name, in lower case: "LeftKidney" and "left_kidney" have two.
+[[nodiscard]] std::vector<std::string> words_of(std::string_view name);
+
 /// Normalized name for comparisons: trimmed, ASCII letters in lower case.
 [[nodiscard]] std::string name_key(std::string_view name);
 
