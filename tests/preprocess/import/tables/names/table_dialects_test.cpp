@@ -13,11 +13,13 @@ using testing::IsEmpty;
 class TableDialects : public NamesTest {};
 
 TEST_F(TableDialects, ReadsBids) {
-  EXPECT_THAT(summaries(names("index\tname\tabbreviation\tcolor\txyz\r\n0\tbackground\tn/a\tn/a\t1\r\n"
+  EXPECT_THAT(summaries(names("index\tname\tabbreviation\tcolor\tnetwork\r\n0\tbackground\tn/a\tn/a\t1\r\n"
                               "1\tLeft White Matter\tlwm\t#781283\t35, 58, 48\r\n255\tx\tn/a\tn/a\tn/a",
                               NamesFormat::kBids)),
               ElementsAre("1 Left White Matter #781283", "255 x"));
-  EXPECT_THAT(items("ignored-columns"), ElementsAre("\"xyz\""));
+  EXPECT_THAT(items("ignored-columns"), ElementsAre("\"network\""));
+  EXPECT_THAT(summaries(names("index\tname\txyz\n1\tA\t35, 58, 48\n", NamesFormat::kBids)),
+              ElementsAre("1 A"));
 }
 
 TEST_F(TableDialects, ReadsColumnsByName) {
