@@ -8,7 +8,7 @@
 
 #include <hwy/highway.h>
 
-#include "player/render/light/light_kernels.h"
+#include "player/render/light/voxel_light.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {

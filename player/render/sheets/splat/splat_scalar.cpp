@@ -3,7 +3,6 @@
 #define HWY_COMPILE_ONLY_SCALAR
 #include <hwy/highway.h>
 
-#include "player/render/sheets/splat/mix_optics-inl.h"
 #include "player/render/sheets/splat/splat_kernels.h"
 #include "player/render/sheets/splat/splat_rows-inl.h"
 

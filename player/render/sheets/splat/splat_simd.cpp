@@ -7,7 +7,6 @@
 
 #include "player/render/sheets/splat/splat_kernels.h"
 #if HWY_TARGET != HWY_SCALAR
-#include "player/render/sheets/splat/mix_optics-inl.h"
 #include "player/render/sheets/splat/splat_rows-inl.h"
 #endif
 
