@@ -8,7 +8,7 @@
 
 #include "player/picture.h"
 #include "player/render/clip/cut_faces.h"
-#include "player/render/clip/face_classes.h"
+#include "player/render/clip/face_map.h"
 #include "player/render/decode/class_cache.h"
 #include "player/render/frame/draft_pace.h"
 #include "player/render/frame/drawn_selection.h"

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "player/render/transfer/preintegrated_transfer.h"
+#include "player/render/transfer/transfer_table.h"
 
 namespace splatlas {
 
