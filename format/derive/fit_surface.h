@@ -1,4 +1,5 @@
-// Surface and normals derived from the voxels of a structure, so that files need not store them.
+// Surface and normals derived from the voxels of a structure, so that files need not store them: from a crop,
+// or from runs where it fills little of its bounding box.
 #pragma once
 
 #include <array>
@@ -18,8 +19,6 @@
 #include "format/derive/surface_net.h"
 
 namespace splatlas {
-
-struct SurfaceNet;
 
 /// Normals of boundary voxels in LPS: the negative gradient of the smoothed mask (SmoothGradient).
 class VoxelNormals {

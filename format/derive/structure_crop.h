@@ -1,4 +1,4 @@
-// Cropped class volume around one structure.
+// Voxels of one structure: a cropped class volume around it, or runs by row of the grid.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Face of a cutting plane: voxels around it, and outlines of solids.
+// Face of a cutting plane: voxels around it with the faces of their classes, and outlines of solids.
 #pragma once
 
 #include <algorithm>

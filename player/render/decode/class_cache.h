@@ -1,4 +1,4 @@
-// Cache of decoded classes.
+// Cache of decoded classes, and their runs, merged by scanline.
 #pragma once
 
 #include <array>

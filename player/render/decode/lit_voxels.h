@@ -1,4 +1,4 @@
-// Voxels whose emission depends on the view (hybrid shading).
+// Voxels whose emission depends on the view (hybrid shading), blocks of voxels in spans, and their memory.
 #pragma once
 
 #include <array>

@@ -306,7 +306,7 @@ void SheetFrame::render_sheet(const SheetWindow& window) {
   }
   // The positive weights of the cubic kernel sum to at most 1.28, which amplifies the error of the sheet.
   const float threshold = termination_threshold(options) / (window.cubic ? 1.3f : 1.0f);
-  const SplatKernels& kernels = scene_.overrides.simd ? best_kernels() : scalar_kernels();
+  const SplatKernels kernels = scene_.overrides.simd ? best_kernels() : scalar_kernels();
   stats_.voxels_visited += render_sheets(spans, shear, window, kernels, threshold, planes(), slabs, surfaces,
                                          buffers_.sheet, pool_);
 }

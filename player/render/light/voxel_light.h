@@ -72,7 +72,7 @@ struct LightKernels {
 };
 
 /// For the best instruction set of the machine, with equal bits on all.
-[[nodiscard]] const LightKernels& light_kernels();
+[[nodiscard]] LightKernels light_kernels();
 
 /// Gradients of grey values, from selected voxels alone (docs/model.md, "Hybrid shading"): along each axis of
 /// the grid the weighted mean of the differences of all pairs of adjacent selected voxels in the block of
@@ -118,6 +118,7 @@ class GreyGradient {
   const ClassCache& cache_;
   std::array<std::size_t, 3> step_{};  // in memory, along the scanline, the rows and the slices
   GradientScale scale_;
+  LightKernels kernels_ = light_kernels();
   std::int64_t scan_first_, row_first_, width_, height_;
   std::array<Plane, 3> planes_;             // before, at and after the slice
   std::array<std::vector<float>, 9> sums_;  // three of each axis
@@ -153,7 +154,8 @@ class VoxelLighter {
 
   const PackedNormal* label_normals_;
   bool shade_;
-  std::optional<GreyGradient> grey_;   // none without grey values
+  std::optional<GreyGradient> grey_;  // none without grey values
+  LightKernels kernels_ = light_kernels();
   std::array<std::size_t, 3> step_{};  // in memory, along the scanline, the rows and the slices
   std::int64_t slice_ = -1, row_ = -1, scan_first_;
   // Of the current row

@@ -95,11 +95,11 @@ struct MarchKernels {
 };
 
 /// Scalar reference kernel. SPLATLAS_SIMD=scalar in the environment forces it.
-[[nodiscard]] const MarchKernels& scalar_march();
+[[nodiscard]] MarchKernels scalar_march();
 /// The best kernel that this machine runs. Every instruction set and the scalar reference compute the same
 /// operations, rounded alike, for the same packets: results agree to 2e-5 of full scale in all scenes. They
 /// are the same bits where the machine has fused multiply-add, and nearly always elsewhere.
-[[nodiscard]] const MarchKernels& best_march();
+[[nodiscard]] MarchKernels best_march();
 
 /// True if slabs are subdivided by cells, not evenly: for byte grey values with one transfer function
 /// and one colour, as long as one step per slab is allowed.

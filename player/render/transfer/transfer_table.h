@@ -1,4 +1,4 @@
-// Lookup table of a transfer function for one voxel type.
+// Lookup table of a transfer function for one voxel type, and its pre-integrated form (Engel et al. 2001).
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// Serves a page with the native engine to browsers on this machine.
+// Server of a page with the native engine to browsers on this machine, and who may talk to it.
 #pragma once
 
 #include <atomic>

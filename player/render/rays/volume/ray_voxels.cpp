@@ -1,4 +1,4 @@
-// Means of the voxels of a ray volume, for drafts.
+// Means of the voxels of a ray volume, for drafts; lighting and structure numbers of voxels and cells.
 #include <algorithm>
 #include <cmath>
 #include <numeric>

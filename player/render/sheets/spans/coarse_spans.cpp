@@ -126,6 +126,16 @@ class SliceAverager {
   std::vector<std::uint16_t> lit_;
 };
 
+/// Lights spans for a view, unless they are. `lit_for`: the view that they are lit for.
+void light_again(SpanModel& spans, std::optional<ParallelView>& lit_for, const ParallelView& view,
+                 const Lighting& lighting, ThreadPool& pool) {
+  if (lit_for && have_same_lighting(*lit_for, view)) return;
+  lit_for.reset();  // in case the task is cancelled
+  forget_light(spans);
+  if (spans.lit_voxels > 0) light_spans(spans, lighting.table(), pool);
+  lit_for = view;
+}
+
 }  // namespace
 
 CoarseSpans::CoarseSpans(const SpanModel& fine, bool shade, int level, ThreadPool& pool)
@@ -169,11 +179,7 @@ CoarseSpans::CoarseSpans(const SpanModel& fine, bool shade, int level, ThreadPoo
 }
 
 void CoarseSpans::light(const ParallelView& view, const Lighting& lighting, ThreadPool& pool) {
-  if (lit_for_ && have_same_lighting(*lit_for_, view)) return;
-  lit_for_.reset();  // in case the task is cancelled
-  forget_light(model_);
-  if (model_.lit_voxels > 0) light_spans(model_, lighting.table(), pool);
-  lit_for_ = view;
+  light_again(model_, lit_for_, view, lighting, pool);
 }
 
 BlockSpans::BlockSpans(std::unique_ptr<BlockVolume> volume, const Selection& selection, const Atlas& atlas)
@@ -195,11 +201,7 @@ void BlockSpans::prepare(Axis axis, bool shade, const ParallelView& view, const 
     shaded_ = shade;
     lit_for_.reset();
   }
-  if (!shade || (lit_for_ && have_same_lighting(*lit_for_, view))) return;
-  lit_for_.reset();  // in case the task is cancelled
-  forget_light(spans_->model());
-  light_spans(spans_->model(), lighting.table(), pool);
-  lit_for_ = view;
+  if (shade) light_again(spans_->model(), lit_for_, view, lighting, pool);
 }
 
 void BlockSpans::scale_by_shares(SpanModel& spans, ThreadPool& pool) const {

@@ -8,9 +8,8 @@
 
 namespace splatlas {
 
-const SplatKernels& scalar_kernels() {
-  static constexpr SplatKernels kKernels{"scalar", HWY_NAMESPACE::CompositeRows, HWY_NAMESPACE::MixOptics};
-  return kKernels;
+SplatKernels scalar_kernels() {
+  return {"scalar", HWY_NAMESPACE::CompositeRows, HWY_NAMESPACE::MixOptics};
 }
 
 }  // namespace splatlas

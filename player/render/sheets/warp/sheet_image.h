@@ -1,4 +1,4 @@
-// Image of a finished sheet.
+// Image of a finished sheet, and its warp into the picture, composited with surface fragments.
 #pragma once
 
 #include <array>
