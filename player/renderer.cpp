@@ -9,7 +9,6 @@
 #include "player/render/contributions/pick_structure.h"
 #include "player/render/frame/decoded_selection.h"
 #include "player/render/frame/drawn_selection.h"
-#include "player/render/frame/face_store.h"
 #include "player/render/frame/fit_selection.h"
 #include "player/render/frame/frame_renderer.h"
 #include "player/render/frame/ray_frame.h"

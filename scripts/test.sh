@@ -4,30 +4,13 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-help() {
-  cat <<'HELP'
-Usage: scripts/test.sh [--quick | --all | --help]
-
-  (no option)  The checks of CI, in half an hour from nothing on two idle cores: layers, layout and size of the sources;
-               programs, and their tests as users have them; clang-tidy over recent changes; tests of format, player and
-               preprocess by Clang with address and undefined behaviour sanitizers.
-  --quick      For daily work: the same without sanitizers, and clang-tidy over changes since origin/HEAD.
-  --all        Every check at full length, in some hours: all tests of the release build and a short run of each
-               benchmark; clang-tidy over every source; each source compiled alone (preset dev); the player without ITK
-               and VTK; both sanitizers; an hour of fuzzing.
-
-SPLATLAS_TEST_INTENSITY, a variable of CMake, is the length of random series: 1, or 3 with --all. Every form ends with
-`N passed, 0 failed`; a failure ends it with the name of the step and an exit status other than 0.
-HELP
-}
-
 form=usual
 if (($# > 1)); then set -- "$*"; fi
 case ${1-} in
   '') ;;
   --quick) form=quick ;;
   --all) form=all ;;
-  --help | -h) help; exit 0 ;;
+  --help | -h) cat scripts/test.txt; exit 0 ;;
   *) printf 'test.sh: %s: must be --quick, --all or --help\n' "$1" >&2; exit 2 ;;
 esac
 # shellcheck source=scripts/steps.sh

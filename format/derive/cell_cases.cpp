@@ -1,7 +1,7 @@
-#include "format/derive/cell_cases.h"
-
 #include <string_view>
 #include <utility>
+
+#include "format/derive/surface_net.h"
 
 namespace splatlas {
 namespace {

@@ -6,8 +6,6 @@
 #include <tuple>
 #include <utility>
 
-#include "format/derive/smooth_net.h"
-#include "format/derive/sparse_surface.h"
 #include "format/derive/surface_net.h"
 #include "format/tasks/task_control.h"
 

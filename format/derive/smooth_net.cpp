@@ -1,11 +1,10 @@
-#include "format/derive/smooth_net.h"
-
 #include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <cstdlib>
 #include <utility>
 
+#include "format/derive/surface_net.h"
 #include "format/tasks/free_memory.h"
 #include "format/tasks/task_control.h"
 

@@ -1,10 +1,9 @@
-#include "format/derive/sparse_surface.h"
-
 #include <algorithm>
 #include <limits>
 #include <numeric>
 #include <utility>
 
+#include "format/derive/fit_surface.h"
 #include "format/derive/structure_crop.h"
 #include "format/derive/surface_net.h"
 #include "format/tasks/task_control.h"

@@ -55,7 +55,6 @@ class AtlasEncoder {
   [[nodiscard]] SectionBytes gather_normals() const;
   [[nodiscard]] Result<SectionBytes> gather_surfaces();
   void leave_out_fitted_parts();
-  void count_runs();
   void free_arrays_of(SectionKind done);
   void add_section(SectionKind kind, const SectionBytes& decoded);
   [[nodiscard]] Result<std::vector<std::byte>> assemble();
@@ -110,16 +109,8 @@ std::vector<SectionKind> sections_of(const AtlasContent& content, const WriteOpt
 
 /// Estimated work of a section, for progress: bytes to compress.
 double work_of(SectionKind kind, const AtlasContent& content) {
-  const auto voxels = static_cast<double>(content.class_volume.size());
-  switch (kind) {
-    case SectionKind::kRunsX:
-    case SectionKind::kRunsY:
-    case SectionKind::kRunsZ: return voxels / 8;
-    case SectionKind::kValues: return static_cast<double>(content.values.bytes.size());
-    case SectionKind::kNormals:
-    case SectionKind::kMeans: return voxels / 8;
-    case SectionKind::kSurfaces: break;
-  }
+  if (kind == SectionKind::kValues) return static_cast<double>(content.values.bytes.size());
+  if (kind != SectionKind::kSurfaces) return static_cast<double>(content.class_volume.size()) / 8;
   double triangles = 1;
   for (const SurfaceMesh& mesh : content.surfaces) triangles += static_cast<double>(mesh.triangles.size());
   return 8 * triangles;
@@ -230,17 +221,13 @@ Result<SectionBytes> AtlasEncoder::gather_runs(Axis axis) {
   }
   if (axis == Axis::kZ) {
     directory_.fingerprints = RunFingerprinter(size_).of_classes(z_runs_);
-    if (options_.compact) count_runs();
+    if (!options_.compact) return bytes;
+    for (const Axis left_out : {Axis::kX, Axis::kY}) {  // whose run models the file omits
+      directory_.run_totals[static_cast<std::size_t>(left_out)] =
+          encode_runs(content_.class_volume, size_, left_out, content_.classes.size()).runs();
+    }
   }
   return bytes;
-}
-
-/// Computes the totals of the run models that a compact file omits.
-void AtlasEncoder::count_runs() {
-  for (const Axis axis : {Axis::kX, Axis::kY}) {
-    directory_.run_totals[static_cast<std::size_t>(axis)] =
-        encode_runs(content_.class_volume, size_, axis, content_.classes.size()).runs();
-  }
 }
 
 SectionBytes AtlasEncoder::gather_values() {

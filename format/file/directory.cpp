@@ -13,16 +13,8 @@
 namespace splatlas {
 
 std::string section_name(std::uint32_t kind) {
-  switch (static_cast<SectionKind>(kind)) {
-    case SectionKind::kRunsX: return "runs_x";
-    case SectionKind::kRunsY: return "runs_y";
-    case SectionKind::kRunsZ: return "runs_z";
-    case SectionKind::kValues: return "values";
-    case SectionKind::kNormals: return "normals";
-    case SectionKind::kSurfaces: return "surfaces";
-    case SectionKind::kMeans: return "means";
-  }
-  return fmt::format("section {}", kind);
+  constexpr std::array kNames{"runs_x", "runs_y", "runs_z", "values", "normals", "surfaces", "means"};
+  return kind >= 1 && kind <= kNames.size() ? kNames[kind - 1] : fmt::format("section {}", kind);
 }
 
 bool has_normals(const ClassTable& classes, ClassId c) {

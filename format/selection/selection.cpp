@@ -1,6 +1,7 @@
 #include "format/content/selection.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <numeric>
@@ -164,22 +165,13 @@ Result<void> check_selection(const Selection& selection, const StructureGraph& g
 }
 
 const char* name_of(DrawMode mode) {
-  switch (mode) {
-    case DrawMode::kVolume: return "volume";
-    case DrawMode::kSurface: return "surface";
-    case DrawMode::kBoth: return "both";
-    case DrawMode::kOff: break;
-  }
-  return "off";
+  constexpr std::array kNames{"off", "volume", "surface", "both"};
+  return kNames.at(static_cast<std::size_t>(mode));
 }
 
 const char* name_of(TransferProfile profile) {
-  switch (profile) {
-    case TransferProfile::kThin: return "thin";
-    case TransferProfile::kHard: return "hard";
-    case TransferProfile::kSoft: break;
-  }
-  return "soft";
+  constexpr std::array kNames{"soft", "thin", "hard"};
+  return kNames.at(static_cast<std::size_t>(profile));
 }
 
 bool operator==(const VolumeStyle& a, const VolumeStyle& b) {

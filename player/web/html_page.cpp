@@ -98,13 +98,7 @@ std::string policy(std::string_view script, const HtmlPage& page) {
 /// JSON in a data block: no end of the block is in it.
 std::string json_in_markup(std::string_view json) {
   std::string text;
-  for (const char c : json) {
-    if (c == '<') {
-      text += "\\u003c";
-    } else {
-      text += c;
-    }
-  }
+  for (const char& c : json) text += c == '<' ? std::string_view("\\u003c") : std::string_view(&c, 1);
   return text;
 }
 

@@ -42,10 +42,10 @@ std::uint64_t default_memory_limit() {
 }
 
 // The module has one instruction set.
-const SplatKernels& scalar_kernels() {
+SplatKernels scalar_kernels() {
   return best_kernels();
 }
-const MarchKernels& scalar_march() {
+MarchKernels scalar_march() {
   return best_march();
 }
 

@@ -7,7 +7,6 @@
 #include <memory>
 
 #include "format/content/transfer_curve.h"
-#include "player/render/transfer/preintegrated_transfer.h"
 #include "player/render/transfer/transfer_table.h"
 #include "player/transfer_function.h"
 #include "tests/fuzz/fuzz_target.h"

@@ -14,7 +14,6 @@
 #include "format/codec/value_codec.h"
 #include "format/content/decision_tree.h"
 #include "format/derive/boundary_split.h"
-#include "format/derive/part_rows.h"
 #include "format/derive/run_fingerprint.h"
 #include "format/derive/structure_crop.h"
 #include "format/derive/value_groups.h"

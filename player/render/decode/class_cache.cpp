@@ -9,7 +9,7 @@
 #include "format/file/directory.h"
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"
-#include "player/render/decode/span_blocks.h"
+#include "player/render/decode/lit_voxels.h"
 
 namespace splatlas {
 

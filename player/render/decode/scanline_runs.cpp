@@ -1,9 +1,9 @@
-#include "player/render/decode/scanline_runs.h"
-
 #include <algorithm>
 #include <iterator>
 #include <limits>
 #include <tuple>
+
+#include "player/render/decode/class_cache.h"
 
 namespace splatlas {
 namespace {

@@ -1,4 +1,4 @@
-// Decoded and missing classes and surfaces of a selection.
+// Decoded and missing classes and surfaces of a selection, and the faces of its latest cut.
 #pragma once
 
 #include <memory>
@@ -7,9 +7,11 @@
 #include <vector>
 
 #include "player/picture.h"
-#include "player/render/clip/face_classes.h"
+#include "player/render/clip/cut_faces.h"
+#include "player/render/clip/face_map.h"
 #include "player/render/decode/class_cache.h"
 #include "player/render/frame/draft_pace.h"
+#include "player/render/frame/drawn_selection.h"
 #include "player/render_options.h"
 
 namespace splatlas {
@@ -52,6 +54,24 @@ class DecodedSelection {
   ClassCache cache_;
   SurfacePace pace_;
   std::vector<MissingPart> missing_;
+};
+
+/// Cache of the faces of the latest cut. Not thread-safe.
+class FaceStore {
+ public:
+  /// Builds the faces that the options show, unless they are current. Reuses unchanged planes. Adds damaged
+  /// classes to the missing parts of `decoded`. Errors and cost as for CutFaces::build().
+  [[nodiscard]] Result<void> require(const RenderOptions& options, Axis axis, const Atlas& atlas,
+                                     const DrawnSelection& drawn, DecodedSelection& decoded,
+                                     ThreadPool& pool);
+  /// Drops the faces. For a new plan. Does not throw.
+  void clear() { faces_.reset(); }
+
+  /// The current faces; null: none.
+  [[nodiscard]] const std::shared_ptr<const CutFaces>& faces() const { return faces_; }
+
+ private:
+  std::shared_ptr<const CutFaces> faces_;
 };
 
 }  // namespace splatlas

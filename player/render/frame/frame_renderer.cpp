@@ -9,7 +9,7 @@
 #include "player/render/contributions/pixel_shares.h"
 #include "player/render/frame/draft_pace.h"
 #include "player/render/frame/stopwatch.h"
-#include "player/render/rays/cast_surfaces.h"
+#include "player/render/rays/cast_rays.h"
 
 namespace splatlas {
 namespace {

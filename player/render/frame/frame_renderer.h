@@ -111,9 +111,7 @@ class FrameRenderer {
   [[nodiscard]] std::span<const VoxelPlane> planes() const {
     return cuts_ ? std::span<const VoxelPlane>(cuts_->planes()) : std::span<const VoxelPlane>();
   }
-  [[nodiscard]] const MarchKernels& kernels() const {
-    return scene_.overrides.simd ? best_march() : scalar_march();
-  }
+  [[nodiscard]] MarchKernels kernels() const { return scene_.overrides.simd ? best_march() : scalar_march(); }
   /// Faces of the cut at pixel centres; null without any.
   [[nodiscard]] const FaceLayer* faces() const { return buffers_.faces.empty() ? nullptr : &buffers_.faces; }
 

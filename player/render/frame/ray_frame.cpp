@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "player/render/frame/stopwatch.h"
-#include "player/render/rays/cast_surfaces.h"
+#include "player/render/rays/cast_rays.h"
 
 namespace splatlas {
 namespace {

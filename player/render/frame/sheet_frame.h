@@ -5,7 +5,7 @@
 
 #include "player/render/frame/frame_renderer.h"
 #include "player/render/frame/span_store.h"
-#include "player/render/sheets/warp/resolve.h"
+#include "player/render/sheets/warp/sheet_image.h"
 #include "player/render/view/shear.h"
 #include "player/render/view/sheet_window.h"
 

@@ -9,7 +9,6 @@
 #include "format/content/cut_planes.h"
 #include "player/camera.h"
 #include "player/render/frame/draft_pace.h"
-#include "player/render/sheets/spans/block_spans.h"
 #include "player/render/sheets/spans/build_spans.h"
 #include "player/render/sheets/spans/coarse_spans.h"
 #include "player/render/transfer/shading.h"

@@ -8,7 +8,7 @@
 
 #include <hwy/highway.h>
 
-#include "player/render/light/light_kernels.h"
+#include "player/render/light/voxel_light.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {
@@ -271,35 +271,16 @@ HWY_AFTER_NAMESPACE();
 #include "player/render/simd/simd_choice.h"
 
 namespace splatlas {
-namespace {
 
 HWY_EXPORT(MeasureGradient);
 HWY_EXPORT(LightBoundary);
 HWY_EXPORT(FindExtinctions);
 HWY_EXPORT(LightInterior);
 
-}  // namespace
-
-const LightKernels& light_kernels() {
+LightKernels light_kernels() {
   static_cast<void>(best_target());  // applies SPLATLAS_SIMD
-  static constexpr LightKernels kKernels{
-      [](const GreyRows& rows, std::size_t count, const GradientScale& scale,
-         const std::array<PairSums, 3>& sums, const GradientRow& out) {
-        HWY_DYNAMIC_DISPATCH(MeasureGradient)(rows, count, scale, sums, out);
-      },
-      [](const PackedNormal* labels, std::size_t count, const GradientRow& gradients, const LitRow& out) {
-        HWY_DYNAMIC_DISPATCH(LightBoundary)(labels, count, gradients, out);
-      },
-      [](const TransferTable::View& table, const float* greys, const float* reach, std::size_t count,
-         float* below, float* above) {
-        HWY_DYNAMIC_DISPATCH(FindExtinctions)(table, greys, reach, count, below, above);
-      },
-      [](const float* below, const float* above, std::size_t count, const GradientRow& gradients,
-         const LitRow& out) {
-        HWY_DYNAMIC_DISPATCH(LightInterior)
-        (below, above, count, gradients, out);
-      }};
-  return kKernels;
+  return {HWY_DYNAMIC_DISPATCH(MeasureGradient), HWY_DYNAMIC_DISPATCH(LightBoundary),
+          HWY_DYNAMIC_DISPATCH(FindExtinctions), HWY_DYNAMIC_DISPATCH(LightInterior)};
 }
 
 }  // namespace splatlas

@@ -109,8 +109,8 @@ void GreyGradient::measure(const Segment& segment) {
   std::array<PairSums, 3> sums;
   for (std::size_t a = 0; a < 3; ++a)
     sums[a] = {sums_[3 * a].data(), sums_[3 * a + 1].data(), sums_[3 * a + 2].data()};
-  light_kernels().gradient(rows, static_cast<std::size_t>(segment.end - segment.begin), scale_, sums,
-                           row_from(segment.begin - 1));
+  kernels_.gradient(rows, static_cast<std::size_t>(segment.end - segment.begin), scale_, sums,
+                    row_from(segment.begin - 1));
 }
 
 VoxelLighter::VoxelLighter(const SelectedRuns& runs, const ClassCache& cache, const Grid& grid, bool shade)
@@ -142,7 +142,7 @@ VoxelLighter::VoxelLighter(const SelectedRuns& runs, const ClassCache& cache, co
 void VoxelLighter::find_extinctions(const TransferTable& transfer, const float* greys,
                                     const GradientRow& gradients, std::size_t count) {
   if (const TransferTable::View table = transfer.view(); !table.shares.empty())
-    return light_kernels().extinctions(table, greys, gradients.reach, count, below_.data(), above_.data());
+    return kernels_.extinctions(table, greys, gradients.reach, count, below_.data(), above_.data());
   for (std::size_t n = 0; n < count; ++n) {
     const auto at = [&](float grey) { return transfer.share_of(static_cast<double>(grey)).extinction; };
     below_[n] = at(greys[n] - gradients.reach[n]);
@@ -164,10 +164,10 @@ VoxelLight VoxelLighter::light(const VolumeAppearance& appearance, bool boundary
   const LitRow lit{&normals_[begin], &lit_[begin]};
   if (boundary) {
     for (std::size_t n = 0; n < count; ++n) labels_[n] = label_normals_[voxel + n * step_[0]];
-    light_kernels().boundary(labels_.data(), count, gradients, lit);
+    kernels_.boundary(labels_.data(), count, gradients, lit);
   } else {
     find_extinctions(*appearance.transfer, grey_->greys(first), gradients, count);
-    light_kernels().interior(below_.data(), above_.data(), count, gradients, lit);
+    kernels_.interior(below_.data(), above_.data(), count, gradients, lit);
   }
   return {lit.normals, 1, lit.lit};
 }

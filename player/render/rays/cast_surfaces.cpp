@@ -1,4 +1,3 @@
-#include "player/render/rays/cast_surfaces.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include "format/tasks/thread_pool.h"
 #include "player/render/clip/cut_rays.h"
 #include "player/render/sheets/sheet_fragments.h"
-#include "player/render/sheets/spans/sheet_spans.h"
+#include "player/render/sheets/spans/build_spans.h"
 #include "player/render/sheets/splat/splat_kernels.h"
 #include "player/render/sheets/warp/sheet_image.h"
 #include "player/render/view/shear.h"

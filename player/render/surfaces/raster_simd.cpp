@@ -8,7 +8,7 @@
 
 #include <hwy/highway.h>
 
-#include "player/render/surfaces/raster_kernels.h"
+#include "player/render/surfaces/screen_triangle.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {

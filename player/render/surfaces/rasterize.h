@@ -24,7 +24,7 @@ struct RasterOptions {
   std::size_t max_fragments = std::numeric_limits<std::size_t>::max();
   /// Fragments behind surfaces of at most this transmittance are omitted.
   float termination_threshold = 0;
-  /// Samples of pixels at edges (player/render/surfaces/edge_pixels.h): 1, 4 or 8.
+  /// Samples of pixels at edges (find_edge_pixels()): 1, 4 or 8.
   std::size_t edge_samples = 1;
 };
 

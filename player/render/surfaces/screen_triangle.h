@@ -1,11 +1,13 @@
 // A triangle in screen space: its clipping against the near plane and the guard band, exact integer edge
 // functions (Pineda 1988), and perspective-correct interpolation of depth and barycentric weights.
+// Kernels of the rasteriser (hot loops) on arrays of vertices.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
@@ -226,5 +228,22 @@ class TriangleAttributes {
   std::array<double, 3> per_w_{1, 1, 1};
   ScreenPlane depth_, inverse_w_{1, 0, 0};
 };
+
+/// Kernels process whole vectors of at most as many lanes.
+inline constexpr std::size_t kRasterPadding = 16;
+
+/// ScreenVertex in arrays for SIMD.
+struct SnappedVertices {
+  const std::int32_t *x, *y;
+};
+
+// By the best instruction set; all give the same results.
+
+/// Finds the triangles whose pixels_of() with this reach meet a box. Corners: one byte each, the first in the
+/// lowest byte. Returns their number.
+std::size_t select_triangles(const std::uint32_t* corners, std::size_t count, const SnappedVertices& vertices,
+                             const PixelBox& box, std::int32_t reach, std::uint32_t* out);
+/// Finds the pixels inside, one word for each row, and one bit for each column.
+void cover_pixels(const SmallEdges& edges, std::int32_t columns, std::int32_t rows, std::uint32_t* out);
 
 }  // namespace splatlas

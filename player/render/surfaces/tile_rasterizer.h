@@ -10,7 +10,6 @@
 #include <span>
 #include <vector>
 
-#include "player/render/surfaces/raster_kernels.h"
 #include "player/render/surfaces/raster_scene.h"
 #include "player/render/surfaces/screen_triangle.h"
 #include "player/render/surfaces/tile_layers.h"

@@ -10,6 +10,8 @@
 const kMinScale = 0.25;
 const kScaleStep = 1 / 16;
 const kMaxGrowth = 1.25;
+const kTasks = {draw: drawPicture, pick: answerPick, hover: answerHover, fit: answerFit, label: answerLabel,
+  light: answerLight, slices: answerSlices};  // in the order of work
 
 let opening = null;    // the module until its atlas is open
 let splatlas = null;
@@ -94,15 +96,9 @@ function take(pieces) {
 
 function work() {
   isAwake = false;
-  const {draw, pick, hover, fit, label, light, slices} = requests;
+  const asked = requests;
   requests = {};
-  if (draw) attempt(drawPicture, draw);
-  if (pick) attempt(answerPick, pick);
-  if (hover) attempt(answerHover, hover);
-  if (fit) attempt(answerFit, fit);
-  if (label) attempt(answerLabel, label);
-  if (light) attempt(answerLight, light);
-  if (slices) attempt(answerSlices, slices);
+  for (const [type, task] of Object.entries(kTasks)) if (asked[type]) attempt(task, asked[type]);
 }
 
 /** Posts what task(request) returns. Tells the page about errors; after a trap this worker is of no use. */

@@ -1,8 +1,8 @@
-#include "format/derive/cell_cases.h"
-
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "format/derive/surface_net.h"
 
 namespace splatlas {
 namespace {

@@ -1,5 +1,3 @@
-#include "format/derive/smooth_net.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "format/derive/surface_net.h"
 #include "tests/format/derive/masks.h"
 #include "tests/format/random_volume.h"
 #include "tests/phantom/two_spheres.h"

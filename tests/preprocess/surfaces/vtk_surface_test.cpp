@@ -16,8 +16,8 @@
 
 #include "format/atlas_reader.h"
 #include "format/atlas_writer.h"
-#include "format/derive/cell_cases.h"
 #include "format/derive/fit_surface.h"
+#include "format/derive/surface_net.h"
 #include "preprocess/surfaces/extract_surfaces.h"
 #include "tests/format/derive/masks.h"
 #include "tests/preprocess/memberships.h"

@@ -14,7 +14,6 @@
 #include <hwy/highway.h>
 
 #include "player/render/rays/march/march_samples-inl.h"
-#include "player/render/rays/march/march_tolerance.h"
 #include "player/render/rays/march_kernels.h"
 #include "player/render/simd/absorption-inl.h"
 

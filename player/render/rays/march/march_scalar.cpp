@@ -8,9 +8,8 @@
 
 namespace splatlas {
 
-const MarchKernels& scalar_march() {
-  static constexpr MarchKernels kKernels{"scalar", HWY_NAMESPACE::MarchPacket};
-  return kKernels;
+MarchKernels scalar_march() {
+  return {"scalar", HWY_NAMESPACE::MarchPacket};
 }
 
 }  // namespace splatlas

@@ -28,20 +28,12 @@ HWY_AFTER_NAMESPACE();
 #include "player/render/simd/simd_choice.h"
 
 namespace splatlas {
-namespace {
 
 HWY_EXPORT(MarchDispatched);
 
-void march(const MarchScene& scene, const RayPacket& rays, RadiancePacket& radiance) {
-  HWY_DYNAMIC_DISPATCH(MarchDispatched)(scene, rays, radiance);
-}
-
-}  // namespace
-
-const MarchKernels& best_march() {
-  static const MarchKernels kKernels =
-      scalar_is_forced() ? scalar_march() : MarchKernels{best_target(), march};
-  return kKernels;
+MarchKernels best_march() {
+  if (scalar_is_forced()) return scalar_march();
+  return {best_target(), HWY_DYNAMIC_DISPATCH(MarchDispatched)};
 }
 
 }  // namespace splatlas

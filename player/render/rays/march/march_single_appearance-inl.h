@@ -13,7 +13,6 @@
 #include "player/render/rays/march/march_optics-inl.h"
 #include "player/render/rays/march/march_packet-inl.h"
 #include "player/render/rays/march/march_samples-inl.h"
-#include "player/render/rays/march/march_tolerance.h"
 #include "player/render/rays/march_kernels.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -236,7 +235,7 @@ class SingleAppearance {
     return StepsOf(scene_, Mul(weight, Sub(high, low)));
   }
 
-  /// A slab by the method that march_tolerance.h defines.
+  /// A slab by its SlabMethod.
   HWY_INLINE void Slab(Vector at, Vector end, const Sampled& sample) {
     const Lanes d;
     const auto half = Set(d, 0.5f);

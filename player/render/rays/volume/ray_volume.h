@@ -16,7 +16,6 @@
 #include "player/render/decode/class_cache.h"
 #include "player/render/decode/lit_voxels.h"
 #include "player/render/decode/selected_runs.h"
-#include "player/render/decode/span_blocks.h"
 #include "player/render/light/voxel_light.h"
 #include "player/render/rays/march_kernels.h"
 #include "player/render/transfer/shading.h"

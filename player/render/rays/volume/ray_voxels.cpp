@@ -1,10 +1,141 @@
-// Lighting of a ray volume's voxels, and structure numbers of voxels and cells, for id images.
+// Means of the voxels of a ray volume, for drafts; lighting and structure numbers of voxels and cells.
 #include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
 
 #include "format/result_macros.h"
+#include "format/tasks/task_control.h"
+#include "player/render/light/voxel_sums.h"
+#include "player/render/rays/volume/bricks.h"
 #include "player/render/rays/volume/ray_volume.h"
 
 namespace splatlas {
+
+/// Adds up the voxels of slices of blocks.
+class RayVolume::Averager {
+ public:
+  Averager(const RayVolume& fine, const SelectedRuns& runs, int level, RayVolume& coarse)
+      : fine_(fine),
+        runs_(runs),
+        level_(level),
+        coarse_(coarse),
+        sums_(static_cast<std::size_t>(coarse.grid_.size[0])) {}
+
+  /// Writes slice `z` of the box of blocks. `seen`: bricks with visible blocks. Returns the number of blocks.
+  std::uint64_t average(std::int64_t z, const BrickMask& mask, std::vector<std::uint8_t>& seen) {
+    const std::int64_t first = (z + coarse_.first_[2]) << level_;
+    const std::int64_t slices = std::int64_t{1} << level_;
+    std::uint64_t blocks = 0;
+    std::vector<std::optional<LitCursor>> lit(static_cast<std::size_t>(slices));  // by slice of voxels
+    for (std::int64_t n = 0; n < slices; ++n) {
+      if (has_slice(first + n)) lit[static_cast<std::size_t>(n)].emplace(lit_of(first + n));
+    }
+    for (std::int64_t y = kMargin; y < coarse_.grid_.size[1] - kMargin; ++y) {
+      const std::int64_t row = (y + coarse_.first_[1]) << level_;
+      for (std::int64_t n = 0; n < slices; ++n) {
+        std::optional<LitCursor>& of_slice = lit[static_cast<std::size_t>(n)];
+        if (!of_slice) continue;
+        runs_.for_each(first + n, row, row + slices,
+                       [&](const ClassRun& run, std::uint32_t) { add(first + n, run, *of_slice); });
+      }
+      blocks += write(y, z, mask, seen);
+    }
+    return blocks;
+  }
+
+ private:
+  [[nodiscard]] bool has_slice(std::int64_t slice) const {
+    return slice >= fine_.first_[2] && slice < fine_.first_[2] + fine_.grid_.size[2];
+  }
+  [[nodiscard]] const LitVoxels& lit_of(std::int64_t slice) const {
+    return fine_.sources_.front().lit[static_cast<std::size_t>(slice - fine_.first_[2])];
+  }
+
+  /// Adds the voxels of a run to the sums of their blocks. `lit`: of the slice.
+  void add(std::int64_t slice, const ClassRun& run, LitCursor& lit) {
+    const std::int64_t x = run.start - fine_.first_[0], y = run.row - fine_.first_[1];
+    const auto* optics = reinterpret_cast<const float*>(fine_.sources_.front().values.data()) +
+                         4 * fine_.place(x, y, slice - fine_.first_[2]);
+    std::uint32_t number = fine_.number(x, y);
+    for (std::uint32_t voxel = run.start; voxel < run.start + run.length; ++voxel, ++number, optics += 4) {
+      if (optics[0] <= 0) continue;
+      const LitVoxel* const is_lit = lit.find(number);
+      std::array<float, 3> emission{optics[1], optics[2], optics[3]};
+      if (is_lit != nullptr) {
+        for (std::size_t c = 0; c < 3; ++c) emission[c] = is_lit->white * lit.color()[c];
+      }
+      sums_[static_cast<std::size_t>((voxel >> level_) - coarse_.first_[0])].add(optics[0], emission, is_lit,
+                                                                                 unpacked_);
+    }
+  }
+
+  /// Writes the means of a row, and clears its sums. Returns their number.
+  std::uint64_t write(std::int64_t y, std::int64_t z, const BrickMask& mask,
+                      std::vector<std::uint8_t>& seen) {
+    const float per_voxel = std::ldexp(1.0f, -3 * level_);
+    Source& source = coarse_.sources_.front();
+    auto* optics = reinterpret_cast<float*>(source.values.data());
+    std::uint64_t blocks = 0;
+    for (std::int64_t x = kMargin; x < coarse_.grid_.size[0] - kMargin; ++x) {
+      VoxelSums& sums = sums_[static_cast<std::size_t>(x)];
+      if (sums.extinction <= 0) continue;
+      const std::size_t at = 4 * coarse_.place(x, y, z);
+      optics[at] = sums.extinction * per_voxel;
+      for (std::size_t c = 0; c < 3; ++c) optics[at + 1 + c] = sums.emission[c] * per_voxel;
+      if (const std::uint16_t lit = sums.lit_share(); lit > 0) {
+        source.lit[static_cast<std::size_t>(z)].add(
+            coarse_.number(x, y), {sums.weight * per_voxel, pack_normal(sums.normal), lit}, sums.color());
+      }
+      mark_around(mask, seen, x, y);
+      sums = {};
+      ++blocks;
+    }
+    return blocks;
+  }
+
+  const RayVolume& fine_;
+  const SelectedRuns& runs_;
+  const int level_;
+  RayVolume& coarse_;
+  const UnpackedNormals& unpacked_ = unpacked_normals();
+  std::vector<VoxelSums> sums_;  // of a row of blocks
+};
+
+Result<RayVolume> RayVolume::means(const SelectedRuns& runs, int level, ThreadPool& pool) const {
+  RayVolume coarse;
+  coarse.runs_ = runs_;
+  coarse.shade_ = shade_;
+  if (empty()) return coarse;
+
+  // Frame the blocks
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::int64_t first = (first_[a] + kMargin) >> level;
+    const std::int64_t last = (first_[a] + grid_.size[a] - 1 - kMargin) >> level;
+    coarse.first_[a] = first - kMargin;
+    coarse.grid_.size[a] = static_cast<std::int32_t>(last - first + 1 + 2 * kMargin);
+  }
+  const auto slices = static_cast<std::size_t>(coarse.grid_.size[2]);
+  Source& source = coarse.sources_.emplace_back();
+  SPLATLAS_ASSIGN_OR_RETURN(
+      source.values, SparseBytes::reserve(coarse.place(0, 0, coarse.grid_.size[2]) * 4 * sizeof(float)));
+  source.lit.resize(slices);
+
+  // Average slices in parallel
+  BrickMask mask(coarse.grid_);
+  std::vector<std::vector<std::uint8_t>> seen(slices, std::vector<std::uint8_t>(mask.of_slice()));
+  std::vector<std::uint64_t> blocks(slices);
+  pool.for_each(slices, [&](std::size_t z) {
+    blocks[z] = Averager(*this, runs, level, coarse).average(static_cast<std::int64_t>(z), mask, seen[z]);
+  });
+  mark_slices(mask, seen);
+  source.active = coarse.active_ = brick_sums(mask);
+  coarse.views_.push_back(
+      {.optics = reinterpret_cast<const float*>(source.values.data()), .active = source.active.data()});
+  coarse.voxels_ = std::accumulate(blocks.begin(), blocks.end(), std::uint64_t{0});
+  for (const LitVoxels& slice : source.lit) coarse.lit_voxels_ += slice.voxels.size();
+  return coarse;
+}
 
 void RayVolume::light(const ParallelView& view, const Lighting& lighting, ThreadPool& pool) {
   if (lit_voxels_ == 0 || (lit_for_ && have_same_lighting(*lit_for_, view))) return;

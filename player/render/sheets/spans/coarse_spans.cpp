@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "format/tasks/task_control.h"
+#include "player/render/decode/selected_runs.h"
 #include "player/render/light/voxel_sums.h"
 #include "player/render/sheets/spans/span_writer.h"
 
@@ -124,6 +126,16 @@ class SliceAverager {
   std::vector<std::uint16_t> lit_;
 };
 
+/// Lights spans for a view, unless they are. `lit_for`: the view that they are lit for.
+void light_again(SpanModel& spans, std::optional<ParallelView>& lit_for, const ParallelView& view,
+                 const Lighting& lighting, ThreadPool& pool) {
+  if (lit_for && have_same_lighting(*lit_for, view)) return;
+  lit_for.reset();  // in case the task is cancelled
+  forget_light(spans);
+  if (spans.lit_voxels > 0) light_spans(spans, lighting.table(), pool);
+  lit_for = view;
+}
+
 }  // namespace
 
 CoarseSpans::CoarseSpans(const SpanModel& fine, bool shade, int level, ThreadPool& pool)
@@ -167,11 +179,61 @@ CoarseSpans::CoarseSpans(const SpanModel& fine, bool shade, int level, ThreadPoo
 }
 
 void CoarseSpans::light(const ParallelView& view, const Lighting& lighting, ThreadPool& pool) {
-  if (lit_for_ && have_same_lighting(*lit_for_, view)) return;
-  lit_for_.reset();  // in case the task is cancelled
-  forget_light(model_);
-  if (model_.lit_voxels > 0) light_spans(model_, lighting.table(), pool);
-  lit_for_ = view;
+  light_again(model_, lit_for_, view, lighting, pool);
+}
+
+BlockSpans::BlockSpans(std::unique_ptr<BlockVolume> volume, const Selection& selection, const Atlas& atlas)
+    : volume_(std::move(volume)), appearances_(atlas) {
+  appearances_.select(volume_->plan(), selection);
+}
+
+void BlockSpans::prepare(Axis axis, bool shade, const ParallelView& view, const Lighting& lighting,
+                         ThreadPool& pool) {
+  if (!spans_ || model().axis != axis || shaded_ != shade) {
+    spans_.reset();
+    volume_->require(axis, pool);
+    const SelectedRuns runs(volume_->plan(), volume_->classes(), volume_->cache(), axis);
+    SpanBuilder spans;
+    spans.build({runs, volume_->plan(), appearances_, volume_->classes(), grid(), volume_->cache(), shade},
+                pool);
+    scale_by_shares(spans.model(), pool);
+    spans_ = std::move(spans);
+    shaded_ = shade;
+    lit_for_.reset();
+  }
+  if (shade) light_again(spans_->model(), lit_for_, view, lighting, pool);
+}
+
+void BlockSpans::scale_by_shares(SpanModel& spans, ThreadPool& pool) const {
+  const ScanOrder scan = ScanOrder::of(spans.axis);
+  const Index3& size = grid().size;
+  const std::array<std::int64_t, 3> steps{1, size[0], size[0] * size[1]};
+  pool.for_each(spans.slices.size(), [&](std::size_t n) {
+    SliceSpans& slice = spans.slices[n];
+    const auto emissions = static_cast<std::size_t>(slice.emissions);
+    const auto block_floats = static_cast<std::size_t>(slice.block_floats());
+    std::vector<float> shares;  // by lane of the blocks of SIMD lanes
+    for (std::int64_t row = slice.first_row; row < slice.last_row; ++row) {
+      const std::int64_t of_row = slice.number * steps[scan.slice_axis] + row * steps[scan.row_axis];
+      for (const Span& span : slice.row(row)) {
+        const std::int64_t first = std::int64_t{span.first_block} << kBlockBits;
+        shares.resize((std::size_t{span.offset} + span.blocks) * kBlock, 0);
+        for (std::int64_t lane = 0; lane < std::int64_t{span.blocks} << kBlockBits; ++lane) {
+          if (first + lane >= size[scan.scan_axis]) break;
+          const auto at = static_cast<std::size_t>(of_row + (first + lane) * steps[scan.scan_axis]);
+          shares[std::size_t{span.offset} * kBlock + static_cast<std::size_t>(lane)] = volume_->share(at);
+        }
+      }
+    }
+    for (std::size_t lane = 0; lane < shares.size(); ++lane) {
+      float* const optics = slice.optics.data() + lane / kBlock * block_floats + lane % kBlock;
+      for (std::size_t c = 0; c <= emissions; ++c) optics[c * kBlock] *= shares[lane];
+    }
+    for (const LitRun& run : slice.lit.runs) {
+      for (std::uint32_t lit = 0; lit < run.count; ++lit)
+        slice.lit.voxels[run.first + lit].white *= shares[run.number + lit];
+    }
+  });
 }
 
 }  // namespace splatlas

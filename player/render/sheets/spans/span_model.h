@@ -9,7 +9,7 @@
 
 #include "format/content/grid.h"
 #include "format/tasks/thread_pool.h"
-#include "player/render/decode/span_blocks.h"
+#include "player/render/decode/lit_voxels.h"
 #include "player/render/sheets/spans/optical_buffer.h"
 
 namespace splatlas {

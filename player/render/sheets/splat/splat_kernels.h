@@ -83,11 +83,11 @@ struct SplatKernels {
 };
 
 /// Scalar reference kernels. SPLATLAS_SIMD=scalar in the environment forces them.
-[[nodiscard]] const SplatKernels& scalar_kernels();
+[[nodiscard]] SplatKernels scalar_kernels();
 /// The fastest kernels for this CPU (Highway, dispatched at run time). Every instruction set and the scalar
 /// reference compute the same operations, rounded alike: results agree to 1e-6 of the largest value with any
 /// termination threshold, and are the same bits on machines with fused multiply-add. Combinations of rows and
 /// phases that sheets do not need are composited row by row and phase by phase.
-[[nodiscard]] const SplatKernels& best_kernels();
+[[nodiscard]] SplatKernels best_kernels();
 
 }  // namespace splatlas

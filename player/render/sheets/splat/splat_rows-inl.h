@@ -1,4 +1,5 @@
-// Choice of the splat kernel for the rows, phases and clip of a call. Compiled for every instruction set.
+// Choice of the splat kernel for the rows, phases and clip of a call; weighted sums of slices. Compiled for
+// every instruction set.
 #if defined(SPLATLAS_PLAYER_SPLAT_ROWS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SPLATLAS_PLAYER_SPLAT_ROWS_INL_H_
 #undef SPLATLAS_PLAYER_SPLAT_ROWS_INL_H_
@@ -13,6 +14,7 @@
 
 #include "player/render/sheets/splat/splat-inl.h"
 #include "player/render/sheets/splat/splat_kernels.h"
+#include "player/render/simd/wide_vector-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {
@@ -71,6 +73,24 @@ inline void CompositeRows(const SheetRows& rows, const ClipRows& clip, float sla
                           const ImageRows& image) {
   clip.planes == 0 ? CompositeClipped(rows, NoPixelClip(), slab_mm, threshold, image)
                    : CompositeClipped(rows, PixelClip(clip), slab_mm, threshold, image);
+}
+
+/// The weighted sum of optical properties.
+inline void MixOptics(const WeightedOptics& a, const WeightedOptics& b, std::size_t floats, float* mixed) {
+  using Tag = NativeTag<WideTag<float, kBlock>>;
+  const Tag d;
+  const auto weight_a = Set(d, a.weight), weight_b = Set(d, b.weight);
+  if (a.optics == nullptr || b.optics == nullptr) {
+    const float* const optics = a.optics != nullptr ? a.optics : b.optics;
+    const auto weight = a.optics != nullptr ? weight_a : weight_b;
+    for (std::size_t n = 0; n < floats; n += kLanesOf<Tag>)
+      Store(Mul(weight, Load(d, optics + n)), d, mixed + n);
+    return;
+  }
+  for (std::size_t n = 0; n < floats; n += kLanesOf<Tag>) {
+    const auto of_a = Mul(weight_a, Load(d, a.optics + n));
+    Store(FusedMulAdd(d, weight_b, Load(d, b.optics + n), of_a), d, mixed + n);
+  }
 }
 
 }  // namespace splatlas::HWY_NAMESPACE

@@ -3,15 +3,13 @@
 #define HWY_COMPILE_ONLY_SCALAR
 #include <hwy/highway.h>
 
-#include "player/render/sheets/splat/mix_optics-inl.h"
 #include "player/render/sheets/splat/splat_kernels.h"
 #include "player/render/sheets/splat/splat_rows-inl.h"
 
 namespace splatlas {
 
-const SplatKernels& scalar_kernels() {
-  static constexpr SplatKernels kKernels{"scalar", HWY_NAMESPACE::CompositeRows, HWY_NAMESPACE::MixOptics};
-  return kKernels;
+SplatKernels scalar_kernels() {
+  return {"scalar", HWY_NAMESPACE::CompositeRows, HWY_NAMESPACE::MixOptics};
 }
 
 }  // namespace splatlas

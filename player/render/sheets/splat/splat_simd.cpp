@@ -7,7 +7,6 @@
 
 #include "player/render/sheets/splat/splat_kernels.h"
 #if HWY_TARGET != HWY_SCALAR
-#include "player/render/sheets/splat/mix_optics-inl.h"
 #include "player/render/sheets/splat/splat_rows-inl.h"
 #endif
 
@@ -43,26 +42,13 @@ HWY_AFTER_NAMESPACE();
 #include "player/render/simd/simd_choice.h"
 
 namespace splatlas {
-namespace {
 
 HWY_EXPORT(CompositeDispatched);
 HWY_EXPORT(MixDispatched);
 
-void composite(const SheetRows& rows, const ClipRows& clip, float slab_mm, float threshold,
-               const ImageRows& image) {
-  HWY_DYNAMIC_DISPATCH(CompositeDispatched)(rows, clip, slab_mm, threshold, image);
-}
-
-void mix(const WeightedOptics& a, const WeightedOptics& b, std::size_t floats, float* mixed) {
-  HWY_DYNAMIC_DISPATCH(MixDispatched)(a, b, floats, mixed);
-}
-
-}  // namespace
-
-const SplatKernels& best_kernels() {
-  static const SplatKernels kKernels =
-      scalar_is_forced() ? scalar_kernels() : SplatKernels{best_target(), composite, mix};
-  return kKernels;
+SplatKernels best_kernels() {
+  if (scalar_is_forced()) return scalar_kernels();
+  return {best_target(), HWY_DYNAMIC_DISPATCH(CompositeDispatched), HWY_DYNAMIC_DISPATCH(MixDispatched)};
 }
 
 }  // namespace splatlas

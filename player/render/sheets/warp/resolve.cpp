@@ -1,10 +1,9 @@
-#include "player/render/sheets/warp/resolve.h"
-
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 #include <vector>
 
+#include "player/render/sheets/warp/sheet_image.h"
 #include "player/render/view/sheet_window.h"
 
 namespace splatlas {

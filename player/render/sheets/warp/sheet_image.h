@@ -1,12 +1,19 @@
-// Image of a finished sheet.
+// Image of a finished sheet, and its warp into the picture, composited with surface fragments.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "format/tasks/thread_pool.h"
+#include "player/picture.h"
+#include "player/render/clip/face_layer.h"
+#include "player/render/sheets/warp/warp_kernels.h"
 #include "player/render/surfaces/fragments.h"
+#include "player/render/view/pixel_box.h"
+#include "player/render/view/shear.h"
 #include "player/render/view/sheet_window.h"
 
 namespace splatlas {
@@ -39,5 +46,21 @@ struct SheetImage {
     return &pixels[static_cast<std::size_t>(((y + 1) * stride() + x + 1) * channels)];
   }
 };
+
+/// Surface fragments, and what is composited of them.
+struct FragmentsInVolume {
+  const FragmentList& list;
+  std::span<const SheetSample> samples;  ///< as of the list
+  const FaceLayer* faces = nullptr;      ///< of the cut, at pixel centres; null: none
+};
+
+/// Warps the sheet (Lacroute and Levoy 1994), and puts the rest of it behind the fragments. Interpolation in
+/// the sheet is bilinear, or cubic for pixels without fragments if the window asks for it. Minified pixels
+/// are the mean of several samples. Faces of a cut are composited in front of and behind everything else.
+/// `painted`: the picture holds what is behind the volume, without fragments. Writes the pixels of a region.
+/// Cost: linear in its pixels and fragments.
+void resolve(const SheetImage& sheet, const Shear& shear, const FragmentsInVolume& fragments,
+             const PixelBox& region, const WarpKernels& kernels, bool painted, Picture& picture,
+             ThreadPool& pool);
 
 }  // namespace splatlas

@@ -45,8 +45,8 @@ void plain_cubic(const CubicWalk& walk, std::size_t count, float* out);
 void best_cubic(const CubicWalk& walk, std::size_t count, float* out);
 
 /// Scalar reference kernels.
-[[nodiscard]] const WarpKernels& scalar_warp();
+[[nodiscard]] WarpKernels scalar_warp();
 /// The fastest kernels for this CPU. They agree with the scalar reference kernels to about 1e-6.
-[[nodiscard]] const WarpKernels& best_warp();
+[[nodiscard]] WarpKernels best_warp();
 
 }  // namespace splatlas

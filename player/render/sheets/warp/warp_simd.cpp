@@ -223,10 +223,6 @@ namespace {
 
 HWY_EXPORT(Warp);
 
-void warp(const WarpWalk& walk, std::size_t count, float* out) {
-  HWY_DYNAMIC_DISPATCH(Warp)(walk, count, out);
-}
-
 void plain_warp(const WarpWalk& walk, std::size_t count, float* out) {
   constexpr float kUnit = 1.0f / 4294967296.0f;
   const std::int64_t channels = walk.channels;
@@ -244,15 +240,13 @@ void plain_warp(const WarpWalk& walk, std::size_t count, float* out) {
 
 }  // namespace
 
-const WarpKernels& scalar_warp() {
-  static constexpr WarpKernels kKernels{"scalar", plain_warp, plain_cubic};
-  return kKernels;
+WarpKernels scalar_warp() {
+  return {"scalar", plain_warp, plain_cubic};
 }
 
-const WarpKernels& best_warp() {
-  static const WarpKernels kKernels =
-      scalar_is_forced() ? scalar_warp() : WarpKernels{best_target(), warp, best_cubic};
-  return kKernels;
+WarpKernels best_warp() {
+  if (scalar_is_forced()) return scalar_warp();
+  return {best_target(), HWY_DYNAMIC_DISPATCH(Warp), best_cubic};
 }
 
 }  // namespace splatlas

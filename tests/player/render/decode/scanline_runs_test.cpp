@@ -1,11 +1,11 @@
-#include "player/render/decode/scanline_runs.h"
-
 #include <array>
 #include <cstdint>
 #include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "player/render/decode/class_cache.h"
 
 namespace splatlas {
 namespace {

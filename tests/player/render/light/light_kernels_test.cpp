@@ -1,5 +1,3 @@
-#include "player/render/light/light_kernels.h"
-
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -8,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "player/render/light/voxel_light.h"
 #include "tests/support/kernel_targets.h"
 
 namespace splatlas {

@@ -1,6 +1,4 @@
 // Surfaces between the parts of the volume, by rays.
-#include "player/render/rays/cast_surfaces.h"
-
 #include <cmath>
 #include <stop_token>
 
@@ -8,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "format/tasks/task_control.h"
+#include "player/render/rays/cast_rays.h"
 #include "tests/player/prepared_selection.h"
 #include "tests/scenes/ray_truth.h"
 #include "tests/support/fails_with.h"

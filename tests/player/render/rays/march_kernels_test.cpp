@@ -70,9 +70,7 @@ std::vector<std::vector<MarchSource>> all_kinds(const RandomSources& random,
 
 class MarchKernelsOf : public EveryKernel {
  protected:
-  [[nodiscard]] static const MarchKernels& kernels() {
-    return is_reference() ? scalar_march() : best_march();
-  }
+  [[nodiscard]] static MarchKernels kernels() { return is_reference() ? scalar_march() : best_march(); }
 };
 INSTANTIATE_TEST_SUITE_P(Every, MarchKernelsOf, testing::ValuesIn(targets_and_reference()), kernel_name);
 

@@ -1,6 +1,6 @@
-#include "player/render/surfaces/edge_pixels.h"
-
 #include <gtest/gtest.h>
+
+#include "player/render/surfaces/tile_layers.h"
 
 namespace splatlas {
 namespace {

@@ -1,10 +1,9 @@
-#include "player/render/surfaces/raster_kernels.h"
-
 #include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "player/render/surfaces/screen_triangle.h"
 #include "tests/support/every_kernel.h"
 
 namespace splatlas {

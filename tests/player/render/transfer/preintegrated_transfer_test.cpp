@@ -1,10 +1,10 @@
-#include "player/render/transfer/preintegrated_transfer.h"
-
 #include <algorithm>
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
+
+#include "player/render/transfer/transfer_table.h"
 
 namespace splatlas {
 namespace {

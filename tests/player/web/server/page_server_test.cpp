@@ -20,7 +20,6 @@
 #include <unistd.h>
 
 #include "player/web/page_engine.h"
-#include "player/web/server/door.h"
 #include "tests/support/phantom_content.h"
 #include "tests/support/render.h"
 

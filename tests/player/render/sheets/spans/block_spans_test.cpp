@@ -1,5 +1,3 @@
-#include "player/render/sheets/spans/block_spans.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -8,6 +6,7 @@
 
 #include "format/atlas_writer.h"
 #include "format/derive/value_groups.h"
+#include "player/render/sheets/spans/coarse_spans.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/player/prepared_selection.h"
 #include "tests/player/render/sheets/spans/unpacked_spans.h"

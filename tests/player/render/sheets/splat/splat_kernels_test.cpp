@@ -170,9 +170,7 @@ SheetRows upon(const SliceSpans& slice, const Phase& phase) {
 
 class SplatKernelsOf : public EveryKernel {
  protected:
-  [[nodiscard]] static const SplatKernels& kernels() {
-    return is_reference() ? scalar_kernels() : best_kernels();
-  }
+  [[nodiscard]] static SplatKernels kernels() { return is_reference() ? scalar_kernels() : best_kernels(); }
 };
 INSTANTIATE_TEST_SUITE_P(Every, SplatKernelsOf, testing::ValuesIn(targets_and_reference()), kernel_name);
 

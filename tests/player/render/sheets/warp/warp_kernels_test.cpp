@@ -49,7 +49,7 @@ double expected_at(const WarpWalk& walk, double x, double y, std::size_t c) {
 
 class WarpKernelsOf : public EveryKernel {
  protected:
-  [[nodiscard]] static const WarpKernels& kernels() { return is_reference() ? scalar_warp() : best_warp(); }
+  [[nodiscard]] static WarpKernels kernels() { return is_reference() ? scalar_warp() : best_warp(); }
 };
 INSTANTIATE_TEST_SUITE_P(Every, WarpKernelsOf, testing::ValuesIn(targets_and_reference()), kernel_name);
 
