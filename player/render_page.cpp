@@ -8,7 +8,7 @@
 
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
-#include "player/files/load_module.h"
+#include "player/files/draw_annotations.h"
 #include "player/files/picture_encoder.h"
 #include "player/page/annotate_picture.h"
 #include "player/page/visible_structures.h"

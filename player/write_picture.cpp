@@ -7,7 +7,7 @@
 
 #include "format/io/output_file.h"
 #include "format/result_macros.h"
-#include "player/files/load_module.h"
+#include "player/files/draw_annotations.h"
 #include "player/files/picture_encoder.h"
 #include "player/write_png.h"
 

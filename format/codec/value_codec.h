@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "format/codec/value_filter.h"
+#include "format/content/atlas_content.h"
 #include "format/content/grid.h"
+#include "format/content/run_model.h"
 #include "format/content/voxel_type.h"
 #include "format/derive/value_groups.h"
 #include "format/result.h"
@@ -58,5 +60,17 @@ void encode_values(const GroupVoxels& group, VoxelType type, std::span<const std
 /// Memory: three slices of the box.
 [[nodiscard]] Result<std::vector<std::byte>> decode_values(const GroupVoxels& group, VoxelType type,
                                                            std::span<const std::byte> code);
+
+/// The means of a group, encoded.
+struct EncodedMeans {
+  std::uint32_t blocks = 0;
+  std::vector<std::byte> code;
+};
+
+/// Encodes the values of a group into `code`, which must have their length. With `means`, encodes their means
+/// as well, if a file may store them. `runs`: of the class volume along z. Linear in the voxels.
+[[nodiscard]] EncodedMeans encode_group(const AtlasContent& content, const RunModel& runs,
+                                        const ValueGroups& groups, std::size_t group, bool means,
+                                        std::span<std::byte> code);
 
 }  // namespace splatlas

@@ -8,8 +8,8 @@
 
 #include "format/codec/run_codec.h"
 #include "format/codec/surface_codec.h"
-#include "format/derive/block_means.h"
 #include "format/derive/boundary_split.h"
+#include "format/derive/value_groups.h"
 #include "format/file/directory.h"
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"

@@ -38,7 +38,7 @@ struct OptionFault {
 };
 using OptionResult = tl::expected<void, OptionFault>;
 
-/// An option of a term, in the table of selection_options.cpp.
+/// An option of a term, in the table of selection_text.cpp.
 struct SelectionOption {
   std::string_view name;
   bool (*is_given)(const SelectionTerm& term);

@@ -28,29 +28,9 @@ Character first_character(std::string_view text) {
 
 /// First and last characters of ranges; sorted.
 using CharacterRange = std::pair<std::uint32_t, std::uint32_t>;
-constexpr std::array kUnsafeRanges{
-    CharacterRange{0x0000, 0x001f},    // C0 controls
-    CharacterRange{0x007f, 0x009f},    // delete and C1 controls
-    CharacterRange{0x00ad, 0x00ad},    // soft hyphen
-    CharacterRange{0x034f, 0x034f},    // combining grapheme joiner
-    CharacterRange{0x061c, 0x061c},    // Arabic letter mark
-    CharacterRange{0x115f, 0x1160},    // Hangul fillers
-    CharacterRange{0x17b4, 0x17b5},    // Khmer inherent vowels
-    CharacterRange{0x180b, 0x180f},    // Mongolian selectors and vowel separator
-    CharacterRange{0x200b, 0x200b},    // zero-width space; Persian and Indic words need the next two
-    CharacterRange{0x200e, 0x200f},    // left-to-right and right-to-left marks
-    CharacterRange{0x2028, 0x202e},    // separators, embeddings and overrides
-    CharacterRange{0x2060, 0x206f},    // word joiner, invisible operators, isolates
-    CharacterRange{0x3164, 0x3164},    // Hangul filler
-    CharacterRange{0xfdd0, 0xfdef},    // noncharacters
-    CharacterRange{0xfe00, 0xfe0f},    // variation selectors
-    CharacterRange{0xfeff, 0xfeff},    // byte order mark
-    CharacterRange{0xffa0, 0xffa0},    // halfwidth Hangul filler
-    CharacterRange{0xfff0, 0xfffb},    // ignorable, interlinear annotations
-    CharacterRange{0x1bca0, 0x1bca3},  // shorthand controls
-    CharacterRange{0x1d173, 0x1d17a},  // musical controls
-    CharacterRange{0xe0000, 0xe0fff},  // tags, more variation selectors
-};
+constexpr std::array<CharacterRange, 21> kUnsafeRanges{{
+#include "format/text/unsafe_characters.txt"
+}};
 
 /// Consumes up to `max_bytes` bytes of whole characters from the start of `text`; returns them with unsafe
 /// characters replaced. `kept` is shown although unsafe.

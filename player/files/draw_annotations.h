@@ -1,7 +1,10 @@
-// Annotations drawn into the pixels of a picture, or beside it in an SVG document.
+// Annotations drawn into the pixels of a picture, or beside it in an SVG document; modules that are loaded at
+// run time, and the engine of texts in one of them.
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
+#include <future>
 #include <optional>
 #include <span>
 #include <string>
@@ -9,11 +12,31 @@
 #include "format/content/color.h"
 #include "format/result.h"
 #include "player/camera.h"
-#include "player/files/load_module.h"
+#include "player/files/text_module.h"
 #include "player/page/annotation.h"
 #include "player/picture.h"
 
 namespace splatlas {
+
+/// Loads a module and finds a function. Modules are never unloaded. kFailed with the reason; `library` names
+/// the module's main dependency. Thread-safe.
+[[nodiscard]] Result<void*> load_function(const char* module, const char* function, const char* library);
+
+/// The text engine, which is loaded in the background. Not thread-safe.
+class TextDrawer {
+ public:
+  /// Begins to load the module and the fonts. `font`: a file to prefer to those of the system; empty: none.
+  explicit TextDrawer(const std::filesystem::path& font);
+
+  /// Waits for the module. kFailed if it cannot be loaded, or without a usable font.
+  [[nodiscard]] Result<void> wait();
+  /// After wait().
+  [[nodiscard]] TextEngine* operator->() const { return opened_->get(); }
+
+ private:
+  std::future<OpenedTextEngine> opening_;
+  OpenedTextEngine opened_;
+};
 
 /// Writes an SVG 1.1 document in pixels, whose page has the size of the picture at `dpi`. `png` is embedded,
 /// texts stay texts in sans-serif fonts, and their widths are those of the layout in any font.

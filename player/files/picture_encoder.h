@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "format/result.h"
-#include "player/files/load_module.h"
+#include "player/files/draw_annotations.h"
 #include "player/files/picture_module.h"
 #include "player/page/annotation.h"
 #include "player/picture.h"

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "player/render/frame/render_overrides.h"
+#include "player/render/frame/frame_renderer.h"
 #include "tests/reference/picture_difference.h"
 #include "tests/support/render.h"
 #include "tests/support/standard_scenes.h"

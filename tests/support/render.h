@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "player/render/frame/render_overrides.h"
+#include "player/render/frame/frame_renderer.h"
 #include "player/renderer.h"
 #include "tests/support/test_content.h"
 

@@ -1,7 +1,7 @@
 // Frames with overrides of the renderer's choices.
 #pragma once
 
-#include "player/render/frame/render_overrides.h"
+#include "player/render/frame/frame_renderer.h"
 #include "player/renderer.h"
 
 namespace splatlas {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "format/codec/value_codec.h"
-#include "format/derive/block_means.h"
+#include "format/derive/value_groups.h"
 #include "format/file/reader/atlas_impl.h"
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"

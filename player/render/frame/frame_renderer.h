@@ -10,6 +10,7 @@
 #include <string>
 
 #include "format/atlas_reader.h"
+#include "format/content/grid.h"
 #include "format/result.h"
 #include "format/tasks/task_control.h"
 #include "format/tasks/thread_pool.h"
@@ -17,17 +18,36 @@
 #include "player/render/clip/cut_rays.h"
 #include "player/render/contributions/pick_structure.h"
 #include "player/render/depth_cue/depth_edges.h"
-#include "player/render/frame/render_overrides.h"
 #include "player/render/rays/cast_rays.h"
 #include "player/render/rays/march_kernels.h"
 #include "player/render/rays/volume/ray_volume.h"
-#include "player/render/sheets/sheet_ends.h"
 #include "player/render/sheets/sheet_fragments.h"
 #include "player/render/sheets/warp/sheet_image.h"
 #include "player/render/surfaces/rasterize.h"
 #include "player/render/view/view_frame.h"
+#include "player/render_options.h"
 
 namespace splatlas {
+
+class Renderer;
+struct Frame;
+
+/// Overrides of a renderer's choices, for tests.
+struct RenderOverrides {
+  bool simd = true;  ///< false: the scalar reference kernels
+  /// Principal axis of the shear-warp factorisation, and of rays within kMaxForcedSlope; other rays keep
+  /// their best axis. Not set: the best axis of the view, or of each ray.
+  std::optional<Axis> principal_axis = std::nullopt;
+  bool one_ray = false;  ///< rays: one through the centre of each pixel, however small voxels are
+};
+
+/// Access to the state of a renderer, for tests.
+struct RendererInternals {
+  /// Renderer::render() with overrides. Sheets: also kUsage beyond kMaxForcedSlope of a forced axis.
+  [[nodiscard]] static Result<void> render(Renderer& renderer, const Camera& camera,
+                                           const RenderOptions& options, const RenderOverrides& overrides,
+                                           Frame& frame, const RenderControl& control);
+};
 
 /// Rows of a frame whose fragments are kept for picks: many come row by row.
 struct PickedRows {

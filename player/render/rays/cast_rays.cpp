@@ -7,6 +7,7 @@
 
 #include "format/tasks/task_control.h"
 #include "player/render/clip/cut_faces.h"
+#include "player/render/view/pixel_box.h"
 #include "player/render/view/view_frame.h"
 
 namespace splatlas {
@@ -14,15 +15,9 @@ namespace {
 
 constexpr int kTileRays = 32;  // the unit of work of a thread, along each axis
 
-/// Pixels of the picture.
-struct PixelBox {
-  int left = 0, top = 0, right = 0, bottom = 0;  // half-open
-};
-
 /// Bounding box of the pixels whose rays pass within one voxel of the volume.
 PixelBox shown_box(const RayVolume& volume, const View& view, const Grid& grid) {
   const PictureSize& size = view.plane.size;
-  const PixelBox all{0, 0, size.width, size.height};
   const Projection projection(view.plane, grid,
                               view.eye_mm.value_or(std::numeric_limits<double>::infinity()));
   double left = size.width, top = size.height, right = 0, bottom = 0;
@@ -34,7 +29,7 @@ PixelBox shown_box(const RayVolume& volume, const View& view, const Grid& grid) 
     }
     const ScreenPoint point = projection.homogeneous(index);
     constexpr double kNear = 1e-3;  // the eye lies inside the box or close to it
-    if (point.w < kNear) return all;
+    if (point.w < kNear) return PixelBox::of(size);
     left = std::min(left, point.x / point.w);
     right = std::max(right, point.x / point.w);
     top = std::min(top, point.y / point.w);
@@ -44,9 +39,10 @@ PixelBox shown_box(const RayVolume& volume, const View& view, const Grid& grid) 
   const auto pixel = [](double at, int max) {
     return static_cast<int>(std::clamp(at, 0.0, static_cast<double>(max)));
   };
-  return {pixel(std::floor(left - kRounding), size.width), pixel(std::floor(top - kRounding), size.height),
-          pixel(std::ceil(right + kRounding) + 1, size.width),
-          pixel(std::ceil(bottom + kRounding) + 1, size.height)};
+  return {pixel(std::floor(left - kRounding), size.width),
+          pixel(std::ceil(right + kRounding) + 1, size.width) - 1,
+          pixel(std::floor(top - kRounding), size.height),
+          pixel(std::ceil(bottom + kRounding) + 1, size.height) - 1};
 }
 
 /// Casts the rays of blocks of pixels. Not thread-safe.
@@ -178,14 +174,14 @@ void cast_blocks(const RayVolume& volume, const View& view, const Grid& grid, co
   const PixelBox shown = shown_box(volume, view, grid);
   const auto side = [](int of_pixel) { return std::max(kTileRays / of_pixel / kBlockSide, 1) * kBlockSide; };
   const int width = side(options.rays.columns), height = side(options.rays.rows);  // of a tile
-  const int columns = (shown.right - shown.left + width - 1) / width;
-  const int rows = (shown.bottom - shown.top + height - 1) / height;
+  const int columns = (shown.width() + width - 1) / width;
+  const int rows = (shown.height() + height - 1) / height;
   if (columns <= 0 || rows <= 0) return;
   pool.for_each(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), [&](std::size_t n) {
-    const int left = shown.left + static_cast<int>(n % static_cast<std::size_t>(columns)) * width;
-    const int top = shown.top + static_cast<int>(n / static_cast<std::size_t>(columns)) * height;
-    const int right = std::min(left + width, shown.right);
-    const int bottom = std::min(top + height, shown.bottom);
+    const int left = shown.x_first + static_cast<int>(n % static_cast<std::size_t>(columns)) * width;
+    const int top = shown.y_first + static_cast<int>(n / static_cast<std::size_t>(columns)) * height;
+    const int right = std::min(left + width, shown.x_last + 1);
+    const int bottom = std::min(top + height, shown.y_last + 1);
     BlockCaster caster(volume, rays, scene, options, kernels, view.plane.size, view_depth, picture);
     for (int y = top; y < bottom; y += kBlockSide) {
       for (int x = left; x < right; x += kBlockSide) caster.render(x, y);

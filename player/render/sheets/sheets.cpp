@@ -8,13 +8,11 @@
 #include <vector>
 
 #include "format/tasks/task_control.h"
-#include "player/render/clip/clip_rows.h"
 #include "player/render/clip/clip_slabs.h"
 #include "player/render/sheets/band_image.h"
-#include "player/render/sheets/sheet_ends.h"
+#include "player/render/sheets/sheet_fragments.h"
 #include "player/render/sheets/slabs.h"
 #include "player/render/sheets/splat/block_runs.h"
-#include "player/render/sheets/splat/slice_mix.h"
 #include "player/render/view/sheet_window.h"
 
 namespace splatlas {

@@ -1,8 +1,12 @@
-// Slabs of a sheet, and the share of a slab in front of a surface in it.
+// Slabs of a sheet: slices interpolated for them, and the share of a slab in front of a surface in it.
 #pragma once
 
 #include <cstdint>
+#include <span>
 
+#include "player/render/sheets/spans/span_model.h"
+#include "player/render/sheets/splat/block_runs.h"
+#include "player/render/sheets/splat/splat_kernels.h"
 #include "player/render/view/shear.h"
 
 namespace splatlas {
@@ -44,5 +48,18 @@ class Slabs {
 [[nodiscard]] float share_of_slab(float absorbed, float part);
 /// The same from the accumulated opacities in front of the slab and behind it.
 [[nodiscard]] float share_in_slab(float before, float behind, float part);
+
+/// Two neighbouring slices and a position between them. Either is null at the ends of the volume.
+struct SlicePair {
+  const SliceSpans* before = nullptr;
+  const SliceSpans* behind = nullptr;
+  float behind_weight = 0;  ///< 0 at the slice before, 1 at the slice behind
+};
+
+/// Interpolates rows [first, last) of the grid; of each, only the blocks that `visible` names, unless it is
+/// empty. `mixed` is overwritten and keeps its capacity. Its spans are
+/// the union of both slices' spans, without voxel counts and shaded voxels. Linear in the blocks.
+void mix_slices(const SlicePair& pair, std::int64_t first, std::int64_t last, std::span<const Blocks> visible,
+                const SplatKernels& kernels, SliceSpans& mixed);
 
 }  // namespace splatlas

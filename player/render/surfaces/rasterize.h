@@ -11,7 +11,7 @@
 #include "format/tasks/thread_pool.h"
 #include "player/picture.h"
 #include "player/render/surfaces/fragments.h"
-#include "player/render/surfaces/tile_bins.h"
+#include "player/render/surfaces/tile_layers.h"
 #include "player/render/surfaces/tile_rasterizer.h"
 
 namespace splatlas {

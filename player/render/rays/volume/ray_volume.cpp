@@ -7,7 +7,6 @@
 
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"
-#include "player/render/rays/volume/bricks.h"
 #include "player/transfer_function.h"
 
 namespace splatlas {

@@ -11,7 +11,7 @@
 
 #include "format/tasks/task_control.h"
 #include "player/render/decode/selected_runs.h"
-#include "player/render/light/voxel_sums.h"
+#include "player/render/light/voxel_light.h"
 #include "player/render/sheets/spans/span_writer.h"
 
 namespace splatlas {

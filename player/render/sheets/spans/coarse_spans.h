@@ -10,7 +10,6 @@
 #include "player/camera.h"
 #include "player/render/decode/block_volume.h"
 #include "player/render/sheets/spans/build_spans.h"
-#include "player/render/sheets/spans/optical_buffer.h"
 #include "player/render/sheets/spans/span_model.h"
 #include "player/render/transfer/shading.h"
 

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "player/render/clip/clip_rows.h"
+#include "player/render/clip/clip_slabs.h"
 #include "player/render/sheets/spans/span_model.h"
 
 namespace splatlas {

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "player/render/rays/volume/bricks.h"
+#include "player/render/rays/volume/ray_volume.h"
 #include "tests/player/render/rays/march_definition.h"
 #include "tests/player/render/rays/random_sources.h"
 #include "tests/support/every_kernel.h"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "player/render/rays/march_kernels.h"
-#include "player/render/rays/volume/bricks.h"
+#include "player/render/rays/volume/ray_volume.h"
 
 namespace splatlas {
 

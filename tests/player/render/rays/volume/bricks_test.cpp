@@ -1,8 +1,8 @@
-#include "player/render/rays/volume/bricks.h"
-
 #include <random>
 
 #include <gtest/gtest.h>
+
+#include "player/render/rays/volume/ray_volume.h"
 
 namespace splatlas {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "player/render/light/voxel_sums.h"
+#include "player/render/light/voxel_light.h"
 #include "tests/player/mean_field.h"
 #include "tests/player/prepared_selection.h"
 #include "tests/player/render/sheets/spans/unpacked_spans.h"

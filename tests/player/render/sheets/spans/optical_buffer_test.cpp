@@ -1,11 +1,11 @@
-#include "player/render/sheets/spans/optical_buffer.h"
-
 #include <algorithm>
 #include <cstdint>
 #include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "player/render/sheets/spans/span_model.h"
 
 namespace splatlas {
 namespace {

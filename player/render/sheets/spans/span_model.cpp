@@ -1,4 +1,4 @@
-#include "player/render/sheets/spans/optical_buffer.h"
+#include "player/render/sheets/spans/span_model.h"
 
 #include <algorithm>
 #include <new>
