@@ -1,5 +1,3 @@
-#include "preprocess/atlas/segment_structures.h"
-
 #include <algorithm>
 #include <utility>
 
@@ -8,6 +6,7 @@
 #include "format/content/selection.h"
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
+#include "preprocess/atlas/build_atlas.h"
 #include "preprocess/classify/fragments.h"
 #include "preprocess/import/tables/text_file.h"
 #include "preprocess/surfaces/vtk_surface.h"

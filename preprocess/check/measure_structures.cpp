@@ -1,9 +1,8 @@
-#include "preprocess/check/measure_structures.h"
-
 #include <algorithm>
 #include <cmath>
 #include <set>
 
+#include "preprocess/check/examine_atlas.h"
 #include "preprocess/classify/fragments.h"
 
 namespace splatlas {

@@ -1,5 +1,3 @@
-#include "preprocess/classify/morphology.h"
-
 #include <algorithm>
 #include <cstddef>
 #include <map>
@@ -9,6 +7,7 @@
 #include <itkBinaryBallStructuringElement.h>
 
 #include "format/tasks/thread_pool.h"
+#include "preprocess/classify/segment_volume.h"
 
 namespace splatlas {
 namespace {

@@ -15,7 +15,6 @@
 #include <itkOtsuThresholdCalculator.h>
 
 #include "format/result_macros.h"
-#include "preprocess/classify/morphology.h"
 #include "preprocess/import/images/itk/itk_call.h"
 #include "preprocess/import/tables/text_file.h"
 

@@ -1,5 +1,3 @@
-#include "preprocess/commands/progress_display.h"
-
 #include <cmath>
 #include <optional>
 
@@ -9,6 +7,7 @@
 
 #include "format/program/standard_output.h"
 #include "format/text/json_text.h"
+#include "preprocess/commands/commands.h"
 
 namespace splatlas {
 namespace {

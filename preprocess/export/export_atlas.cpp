@@ -14,7 +14,7 @@
 #include "preprocess/export/export_tables.h"
 #include "preprocess/export/write_image.h"
 #include "preprocess/export/write_mesh.h"
-#include "preprocess/import/import_error.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {

@@ -18,7 +18,6 @@
 #include "format/tasks/thread_pool.h"
 #include "format/text/ascii_text.h"
 #include "preprocess/export/write_image.h"
-#include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

@@ -25,7 +25,7 @@
 #include "preprocess/import/images/import_image.h"
 #include "preprocess/import/images/nifti/nifti_header.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
-#include "preprocess/import/import_error.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {

@@ -20,8 +20,8 @@
 
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"
-#include "preprocess/import/import_error.h"
 #include "preprocess/import/quiet_vtk.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {

@@ -1,5 +1,3 @@
-#include "preprocess/import/resample.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +5,7 @@
 #include <span>
 
 #include "format/tasks/thread_pool.h"
+#include "preprocess/import/images/import_image.h"
 
 namespace splatlas {
 namespace {

@@ -9,15 +9,10 @@
 
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
-#include "preprocess/import/images/dicom/import_dicom.h"
 #include "preprocess/import/images/import_image.h"
-#include "preprocess/import/images/pictures/read_pictures.h"
-#include "preprocess/import/import_error.h"
+#include "preprocess/import/images/pixels/image_readers.h"
 #include "preprocess/import/labels/import_labels.h"
-#include "preprocess/import/labels/label_map.h"
-#include "preprocess/import/resample.h"
 #include "preprocess/import/tables/names_table.h"
-#include "preprocess/import/tables/read_tree.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

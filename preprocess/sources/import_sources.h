@@ -12,7 +12,7 @@
 #include "preprocess/classify/segment_volume.h"
 #include "preprocess/import/images/pixels/source_image.h"
 #include "preprocess/import/membership_volume.h"
-#include "preprocess/import/meshes/place_mesh.h"
+#include "preprocess/import/meshes/import_mesh.h"
 #include "preprocess/import/notes.h"
 #include "preprocess/import/tables/names_table.h"
 #include "preprocess/surfaces/clip_mesh.h"

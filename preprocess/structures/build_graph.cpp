@@ -10,9 +10,8 @@
 #include "format/content/selection.h"
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
-#include "preprocess/import/import_error.h"
+#include "preprocess/import/tables/text_file.h"
 #include "preprocess/structures/graph_parts.h"
-#include "preprocess/structures/source_lookup.h"
 
 namespace splatlas {
 namespace {

@@ -8,7 +8,6 @@
 #include "format/content/structure_graph.h"
 #include "preprocess/import/notes.h"
 #include "preprocess/import/tables/names_table.h"
-#include "preprocess/import/tables/read_tree.h"
 
 namespace splatlas {
 

@@ -1,11 +1,10 @@
-#include "preprocess/structures/source_lookup.h"
-
 #include <algorithm>
 
 #include "format/result_macros.h"
 #include "format/selection/glob.h"
 #include "format/text/ascii_text.h"
 #include "preprocess/import/tables/text_file.h"
+#include "preprocess/structures/graph_parts.h"
 
 namespace splatlas {
 namespace {

@@ -9,7 +9,6 @@
 #include "format/result_macros.h"
 #include "format/tasks/thread_pool.h"
 #include "preprocess/import/quiet_vtk.h"
-#include "preprocess/surfaces/thick_slices.h"
 #include "preprocess/surfaces/vtk_surface.h"
 
 namespace splatlas {

@@ -1,5 +1,3 @@
-#include "preprocess/surfaces/thick_slices.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +6,7 @@
 #include <vector>
 
 #include "format/tasks/thread_pool.h"
+#include "preprocess/surfaces/extract_surfaces.h"
 #include "preprocess/surfaces/vtk_surface.h"
 
 namespace splatlas {

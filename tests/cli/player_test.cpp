@@ -1,7 +1,8 @@
-// Pictures and documents of splatlas-player.
+// Pictures, documents and other output files of splatlas-player: complete or absent, never over an input.
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <fstream>
 
 #include <gmock/gmock.h>
@@ -14,6 +15,8 @@
 namespace splatlas {
 namespace {
 
+namespace fs = std::filesystem;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::StartsWith;
@@ -191,6 +194,40 @@ TEST(PlayerInfo, TheTextListsEveryStructure) {
   EXPECT_THAT(info.out, HasSubstr("32 x 32 x 32"));
   EXPECT_THAT(info.out,
               HasSubstr("extent    left -0.5 to 31.5, posterior -0.5 to 31.5, superior -0.5 to 31.5 mm\n"));
+}
+
+const std::string kFont = "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf";
+
+TEST(PlayerOutput, IsNeverTheFont) {
+  const TemporaryFolder fonts;
+  const std::string font = fonts.file("font.png"), before = read_bytes(kFont);
+  fs::copy_file(kFont, font);
+  fs::create_symlink(font, fonts.file("link.json"));
+  const Words annotated{"render", phantom_atlas(), "--annotate", "caption", "--caption", "A", "--font", font};
+  for (const Words& words : {Words{"-o", font},
+                             {"-o", "x.png", "--stats", fonts.file("link.json")},
+                             {"-o", "x.png", "--ids", font}}) {
+    const ProgramResult result = run_player(joined(annotated, words), fonts.path());
+    EXPECT_EQ(result.status, 2) << words.back();
+    EXPECT_EQ(result.err,
+              "splatlas-player: " + words.back() + ": is an input (" + font + "); write to another file\n");
+    EXPECT_TRUE(read_bytes(font) == before);
+    EXPECT_THAT(fonts.names(), ElementsAre("font.png", "link.json"));
+  }
+}
+
+TEST(PlayerOutput, FailsOnAFullStandardOutput) {
+  for (const Words& words : {Words{"verify", phantom_atlas()},
+                             {"info", phantom_atlas()},
+                             {"info", phantom_atlas(), "--json"},
+                             {"--help"},
+                             {"render", "--help"},
+                             {"--version"}}) {
+    const ProgramResult result =
+        run_by_shell(kFullDevice, joined({SPLATLAS_PLAYER}, words), phantom_folder().path());
+    EXPECT_EQ(result.status, 1) << words.front();
+    EXPECT_EQ(result.err, "splatlas-player: standard output: cannot be written: No space left on device\n");
+  }
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/cli/hostile_atlas.h"
-#include "tests/cli/programs.h"
+#include "tests/cli/phantom_atlas.h"
 #include "tests/cli/read_pixels.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/temporary_folder.h"

@@ -11,11 +11,8 @@
 
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
-#include "preprocess/import/images/dicom/import_dicom.h"
-#include "preprocess/import/images/pictures/read_pictures.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
 #include "preprocess/import/images/pixels/image_readers.h"
-#include "preprocess/import/import_error.h"
 #include "preprocess/import/isolation/run_isolated.h"
 #include "preprocess/import/tables/text_file.h"
 

@@ -22,7 +22,6 @@
 #include <unistd.h>
 
 #include "format/io/memory_limit.h"
-#include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

@@ -12,8 +12,6 @@
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
 #include "preprocess/import/images/import_image.h"
-#include "preprocess/import/import_error.h"
-#include "preprocess/import/resample.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

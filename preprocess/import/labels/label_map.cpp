@@ -1,5 +1,3 @@
-#include "preprocess/import/labels/label_map.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,7 +14,7 @@
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
 #include "preprocess/import/images/import_image.h"
-#include "preprocess/import/import_error.h"
+#include "preprocess/import/labels/import_labels.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

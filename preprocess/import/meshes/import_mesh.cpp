@@ -25,7 +25,6 @@
 
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
-#include "preprocess/import/import_error.h"
 #include "preprocess/import/isolation/run_isolated.h"
 #include "preprocess/import/meshes/polygon_readers.h"
 #include "preprocess/import/quiet_vtk.h"

@@ -1,5 +1,3 @@
-#include "preprocess/import/meshes/place_mesh.h"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -8,7 +6,7 @@
 
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
-#include "preprocess/import/import_error.h"
+#include "preprocess/import/meshes/import_mesh.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

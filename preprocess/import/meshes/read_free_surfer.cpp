@@ -7,7 +7,6 @@
 
 #include <vtkByteSwap.h>
 
-#include "preprocess/import/import_error.h"
 #include "preprocess/import/meshes/polygon_readers.h"
 #include "preprocess/import/tables/text_file.h"
 

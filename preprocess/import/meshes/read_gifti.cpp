@@ -10,7 +10,6 @@
 #include <zlib.h>
 
 #include "format/result_macros.h"
-#include "preprocess/import/import_error.h"
 #include "preprocess/import/meshes/polygon_readers.h"
 #include "preprocess/import/quiet_vtk.h"
 #include "preprocess/import/tables/text_file.h"

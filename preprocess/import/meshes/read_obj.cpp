@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "preprocess/import/import_error.h"
 #include "preprocess/import/meshes/polygon_readers.h"
 #include "preprocess/import/tables/text_file.h"
 

@@ -1,4 +1,4 @@
-// Rows of a names file while it is read.
+// Rows of a names file while it is read, and the readers of its dialects.
 #pragma once
 
 #include <cstdint>
@@ -70,5 +70,27 @@ class NamesCollector {
 
 /// A whole label from 0 to 2^32 - 1; "17.0" counts. Nullopt for other text.
 [[nodiscard]] std::optional<std::int64_t> parse_label(std::string_view text);
+
+/// Bytes of a file that Dialect::recognise sees.
+inline constexpr std::size_t kNamesHeadBytes = 64 << 10;
+
+/// A dialect. The order of the table in read_names.cpp decides between several that recognise a file.
+struct Dialect {
+  NamesFormatInfo info;
+  /// True if the first bytes of a file are of this dialect.
+  bool (*recognise)(std::string_view head);
+  /// Adds the rows. An error means that nothing of the file is usable.
+  Result<void> (*read)(const NamesInput& input, NamesCollector& into);
+};
+
+// Lists (read_lists.cpp).
+extern const Dialect kItkSnapNames, kFslEyesNames, kCtblNames, kFreeSurferNames, kMricronNames;
+// Tables with columns, and FSL's XML (read_columns.cpp).
+extern const Dialect kBidsNames, kCsvNames, kFslNames;
+// JSON (read_json.cpp).
+extern const Dialect kNiivueNames, kAllenNames, kBrainGlobeNames, kOpenAnatomyNames, kDcmqiNames, kJsonNames;
+
+/// The hierarchy of a JSON file of names.
+[[nodiscard]] Result<std::vector<TreeLine>> read_json_tree(const NamesInput& input, NamesCollector& into);
 
 }  // namespace splatlas

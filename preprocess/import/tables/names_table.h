@@ -1,4 +1,4 @@
-// Structures of sources, the content of names files and trees, and the reader of names.
+// Structures of sources, the content of names files and trees, and their readers.
 #pragma once
 
 #include <cstddef>
@@ -106,5 +106,10 @@ struct NamesTable {
 /// or if no row is usable; the message tells the first fault. Cost: linear in the file, at most 16 MiB.
 [[nodiscard]] Result<NamesTable> read_names(const std::filesystem::path& path, NamesFormat format,
                                             Notes& notes);
+
+/// Reads the lines of a tree file, or the nodes of a table or JSON file, by its content. Does not resolve
+/// names. `notes` tells the format of tables, and counts their faults. kFailed with file and line of the
+/// first fault of a tree file, and for tables without a usable row. Cost: linear in the file, at most 16 MiB.
+[[nodiscard]] Result<std::vector<TreeLine>> read_tree(const std::filesystem::path& path, Notes& notes);
 
 }  // namespace splatlas

@@ -1,5 +1,3 @@
-#include "preprocess/import/tables/read_tree.h"
-
 #include <algorithm>
 #include <utility>
 
@@ -7,9 +5,9 @@
 #include <fmt/ranges.h>
 
 #include "format/result_macros.h"
-#include "preprocess/import/import_error.h"
-#include "preprocess/import/tables/names/dialects.h"
-#include "preprocess/import/tables/table_entries.h"
+#include "preprocess/import/tables/names_collector.h"
+#include "preprocess/import/tables/names_table.h"
+#include "preprocess/import/tables/table.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

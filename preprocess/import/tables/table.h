@@ -1,4 +1,5 @@
-// Tables of text: rows of fields below a header, and the meaning of their columns.
+// Tables of text: rows of fields below a header, the meaning of their columns, and the structures that they
+// describe.
 #pragma once
 
 #include <cstddef>
@@ -8,6 +9,8 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "preprocess/import/tables/names_collector.h"
 
 namespace splatlas {
 
@@ -80,5 +83,32 @@ struct Column {
 /// Turns the header of a table that has none into its first row. Its columns get names by their values:
 /// label, name, colour or three channels, and code.
 void add_header(Table& table);
+
+/// A row, with its place in a hierarchy as the file writes it.
+struct TableEntry {
+  LabelName name;            ///< without label
+  std::string label;         ///< as the file writes it; empty if there is none
+  std::string key;           ///< id or label; empty if there is none
+  std::string parent, path;  ///< empty if there is none
+};
+
+/// Entries of a table.
+struct TableEntries {
+  bool has_labels = false;     ///< a column has them
+  bool has_hierarchy = false;  ///< a column has parents or paths
+  std::vector<TableEntry> entries;
+};
+
+/// Reads the rows; `into` counts faulty ones, colours that cannot be read, and unknown columns. kFailed if
+/// there is no column of names or labels, or if only some of red, green and blue are columns.
+[[nodiscard]] Result<TableEntries> read_entries(const Table& table, const NamesInput& input,
+                                                NamesCollector& into);
+
+/// Adds the entries of a table as names, and their hierarchy. Entries of groups have no label.
+[[nodiscard]] Result<void> add_table(const Table& table, const NamesInput& input, NamesCollector& into);
+
+/// Nodes of the entries. Parents are ids, abbreviations or names; those that are no entries become groups.
+/// Paths consist of ids ("/997/8/", "[997, 8]") or names ("Brain/Left"). O(entries and path parts).
+[[nodiscard]] std::vector<TreeLine> hierarchy_of(const TableEntries& entries);
 
 }  // namespace splatlas

@@ -1,5 +1,3 @@
-#include "preprocess/import/tables/table_entries.h"
-
 #include <algorithm>
 #include <map>
 #include <unordered_map>
@@ -8,7 +6,7 @@
 
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
-#include "preprocess/import/tables/color_text.h"
+#include "preprocess/import/tables/table.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

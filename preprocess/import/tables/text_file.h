@@ -1,13 +1,18 @@
-// Reader of small text files, hashes of files, text parsing helpers, and structure names.
+// Text files, errors and hashes of files, parsing of numbers and colours, and structure names.
 #pragma once
 
 #include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
+#include "format/content/color.h"
 #include "format/result.h"
 #include "format/text/ascii_text.h"
 
@@ -64,5 +69,23 @@ inline constexpr std::size_t kMaxNameCharacters = 200;
 
 /// Normalized name for comparisons: trimmed, ASCII letters in lower case.
 [[nodiscard]] std::string name_key(std::string_view name);
+
+/// kFailed: "FILE: " and the formatted text.
+template <typename... Args>
+[[nodiscard]] tl::unexpected<Error> bad_file(const std::filesystem::path& path,
+                                             fmt::format_string<Args...> text, Args&&... args) {
+  return fail(ErrorCode::kFailed, path.string() + ": " + fmt::format(text, std::forward<Args>(args)...));
+}
+
+/// Parses "#rgb", "#rrggbb", "rrggbb" and their forms with alpha, "rgb(1, 2, 3)", "rgba(1, 2, 3, 0.5)", and
+/// three or four numbers such as "1,2,3" or "[1, 2, 3]", which `scale` multiplies. Rounds to whole channels
+/// and ignores alpha. Nullopt for other text and for channels outside 0 to 255.
+[[nodiscard]] std::optional<Rgb> parse_table_color(std::string_view text, double scale = 1);
+
+/// The scale of the numbers of a column of colours: 255 if none is above 1 and one is above 0, else 1.
+[[nodiscard]] double scale_of_colors(std::span<const std::string> texts);
+
+/// The same, and the names of CSS level 1 and 2 ("gray", "orange").
+[[nodiscard]] std::optional<Rgb> parse_css_color(std::string_view text);
 
 }  // namespace splatlas

@@ -8,8 +8,7 @@
 #include "preprocess/import/images/import_image.h"
 #include "preprocess/import/labels/import_labels.h"
 #include "preprocess/import/meshes/import_mesh.h"
-#include "preprocess/import/meshes/place_mesh.h"
-#include "preprocess/import/tables/read_tree.h"
+#include "preprocess/import/tables/names_table.h"
 
 namespace splatlas {
 namespace {

@@ -26,7 +26,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "preprocess/import/images/dicom/import_dicom.h"
+#include "preprocess/import/images/pixels/image_readers.h"
 #include "tests/campaigns/faults/import_kinds.h"
 #include "tests/campaigns/faults/mutate.h"
 #include "tests/preprocess/import/images/dicom/dicom_files.h"

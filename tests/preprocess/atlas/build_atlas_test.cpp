@@ -1,9 +1,12 @@
-// Whole builds: round trips and invariances.
+// Whole builds: round trips, invariances and refusals; centre, radius and window of their display.
 
 #include "preprocess/atlas/build_atlas.h"
 
 #include <array>
+#include <cmath>
+#include <filesystem>
 #include <random>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,6 +18,7 @@
 #include "tests/preprocess/messages_of_notes.h"
 #include "tests/preprocess/random_images.h"
 #include "tests/preprocess/raw_image_files.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/run_program.h"
 
@@ -226,6 +230,133 @@ TEST_F(BuildAtlas, ResampledStructuresHaveTheirFinalNames) {
       messages_of(lost->notes),
       testing::Contains("1 structure has no voxel left on the other grid: Spleen (2 voxels, 0.002 ml)"));
   EXPECT_THAT(messages_of(lost->notes), testing::Not(testing::Contains(HasSubstr("and is dropped"))));
+}
+
+TEST_F(BuildAtlas, EveryStructureHasANameOfItsOwn) {
+  std::mt19937 random(12);
+  BuildOptions build_options = options();
+  build_options.sources.labels =
+      write("labels.nrrd", random_labels(awkward_grid(0), VoxelType::kUInt8, random));
+  build_options.sources.meshes = {{"Screw", "missing.stl"}, {"screw", "missing too.stl"}};
+  EXPECT_THAT(error_of(build_options), testing::AllOf(HasSubstr("--mesh"), HasSubstr("\"screw\"")));
+  build_options.sources.meshes.pop_back();
+  build_options.sources.segments = {*parse_segment("SCREW =mask:missing.nrrd")};
+  EXPECT_THAT(error_of(build_options), testing::AllOf(HasSubstr("--segment"), HasSubstr("--mesh")));
+  build_options.sources.segments.clear();
+  for (const std::string name : {"Label 1", "label 1"}) {
+    build_options.sources.meshes = {{name, "missing.stl"}};
+    EXPECT_THAT(error_of(build_options), testing::AllOf(HasSubstr("--mesh"), HasSubstr("labels.nrrd")));
+  }
+  for (const std::string& name : {std::string("a\nb"), std::string(201, 'x')}) {
+    build_options.sources.meshes = {{name, "missing.stl"}};
+    const Result<BuildReport> refused = build_atlas(build_options);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::kUsage);
+    EXPECT_THAT(refused.error().message, testing::Not(HasSubstr("\n")));
+  }
+}
+
+TEST_F(BuildAtlas, PathsThatCannotBeFollowedAreToldInOneLine) {
+  BuildOptions build_options = options();
+  build_options.sources.labels = file(std::string(300, 'x') + ".nii");
+  EXPECT_THAT(error_of(build_options), HasSubstr("cannot be read: File name too long"));
+  std::filesystem::create_symlink("loop.nii", file("loop.nii"));
+  build_options.sources.labels = file("loop.nii");
+  EXPECT_THAT(error_of(build_options), HasSubstr("loop.nii: cannot be read: Too many levels of symbolic"));
+}
+
+TEST_F(BuildAtlas, NoOutputGoesOverDetachedPixels) {
+  write_bytes(file("a.hdr"), nifti_header());
+  write_bytes(file("a.nhdr"), nrrd_header("raw", "data file: pixels.raw\n"));
+  write_bytes(file("a.mhd"), meta_header("", "pixels.raw"));
+  for (const std::string pixels : {"a.img", "pixels.raw"}) write_bytes(file(pixels), RawImage::payload());
+  for (const auto& [input, pixels] : {std::pair("a.hdr", "a.img"), std::pair("a.img", "a.hdr"),
+                                      std::pair("a.nhdr", "pixels.raw"), std::pair("a.mhd", "pixels.raw")}) {
+    BuildOptions build_options = options();
+    build_options.output = file(pixels);
+    build_options.sources.labels = file(input);
+    EXPECT_THAT(build_atlas(build_options), FailsWith(ErrorCode::kUsage, HasSubstr("is an input")));
+  }
+}
+
+TEST_F(BuildAtlas, RefusesWhatDoesNotFitTogether) {
+  std::mt19937 random(6);
+  BuildOptions build_options = options();
+  build_options.sources.labels =
+      write("labels.nrrd", random_labels(awkward_grid(0), VoxelType::kUInt8, random));
+  Grid other = awkward_grid(0);
+  other.origin_lps_mm[1] += 1e4;
+  build_options.sources.volume = write("volume.nrrd", random_volume(other, VoxelType::kUInt8, random));
+  EXPECT_THAT(error_of(build_options), HasSubstr("they do not overlap"));
+  build_options.sources.resample = ResampleTo::kVolume;
+  EXPECT_THAT(error_of(build_options), HasSubstr("they do not overlap"));
+  build_options.sources.resample = ResampleTo::kAsk;
+  build_options.sources.volume.clear();
+  build_options.sources.segments = {*parse_segment("S=mask:" + file("volume.nrrd"))};
+  EXPECT_THAT(error_of(build_options), HasSubstr("lies outside the grid"));
+}
+
+ClassifiedVoxels classify(const Masks& masks, const Grid& grid, const StructureGraph& graph) {
+  return *classify_voxels(memberships_of(masks, grid.size), {}, graph, 1);
+}
+
+TEST(MeasureDisplay, TheBallReachesTheFarthestCorner) {
+  Grid grid = awkward_grid(0.2);
+  grid.size = {10, 10, 10};
+  const Masks box{make_mask(grid.size, [](auto i, auto j, auto k) {
+    return i >= 2 && i <= 5 && j >= 3 && j <= 3 && k >= 1 && k <= 8;
+  })};
+  const StructureGraph graph = flat_graph(1);
+  const Display display = measure_display(classify(box, grid, graph), graph, {}, grid);
+  const Vec3 center = index_to_lps_mm(grid).apply({3.5, 3, 4.5});
+  for (std::size_t a = 0; a < 3; ++a) EXPECT_NEAR(display.center_lps_mm[a], center[a], 1e-12);
+  // Half of 4 x 1 x 8 voxels of 0.75 x 1.5 x 3.25 mm.
+  EXPECT_NEAR(display.radius_mm, std::hypot(2 * 0.75, 0.5 * 1.5, 4 * 3.25), 1e-12);
+}
+
+TEST(MeasureDisplay, NothingAtAllFramesTheGrid) {
+  const Grid grid{.size = {4, 4, 4}};
+  const StructureGraph graph = flat_graph(1);
+  const Display display =
+      measure_display(classify({std::vector<std::uint8_t>(64, 0)}, grid, graph), graph, {}, grid);
+  EXPECT_EQ(display.center_lps_mm, (Vec3{1.5, 1.5, 1.5}));
+  EXPECT_NEAR(display.radius_mm, std::sqrt(12.0), 1e-12);
+}
+
+TEST(MeasureDisplay, TheWindowIsOfLabelledStructures) {
+  // Values 0..999 along i; structure A has a label and holds 100..299, B has none and holds the rest.
+  const Grid grid{.size = {1000, 1, 1}};
+  VoxelBuffer values{VoxelType::kUInt16, std::vector<std::byte>(2000)};
+  for (std::size_t v = 0; v < 1000; ++v) values.as<std::uint16_t>()[v] = static_cast<std::uint16_t>(v);
+  const Masks masks{make_mask(grid.size, [](auto i, auto, auto) { return i >= 100 && i < 300; }),
+                    make_mask(grid.size, [](auto i, auto, auto) { return i < 100 || i >= 300; })};
+  std::vector<SourceStructure> sources(2);
+  sources[0].name.push_back('A');
+  sources[1].name.push_back('B');
+  sources[0].label = 1;
+  Notes notes;
+  const StructureGraph labelled = build_graph(sources, {}, "", notes)->graph;
+  Display display = measure_display(classify(masks, grid, labelled), labelled, values, grid);
+  EXPECT_EQ(display.window_low, 101);   // 1 % of 200 values above 100
+  EXPECT_EQ(display.window_high, 298);  // 99.5 %
+  const StructureGraph bare = flat_graph(2);
+  display = measure_display(classify(masks, grid, bare), bare, values, grid);
+  EXPECT_EQ(display.window_low, 9);
+  EXPECT_EQ(display.window_high, 994);
+}
+
+TEST(MeasureDisplay, ConstantAndBrokenValuesStillGiveAWindow) {
+  const Grid grid{.size = {4, 1, 1}};
+  VoxelBuffer values{VoxelType::kFloat32, std::vector<std::byte>(16)};
+  const StructureGraph graph = flat_graph(1);
+  const ClassifiedVoxels all = classify({std::vector<std::uint8_t>(4, 1)}, grid, graph);
+  for (std::size_t v = 0; v < 4; ++v) values.as<float>()[v] = 5;
+  Display display = measure_display(all, graph, values, grid);
+  EXPECT_EQ(display.window_low, 5);
+  EXPECT_GT(display.window_high, 5);
+  for (std::size_t v = 0; v < 4; ++v) values.as<float>()[v] = v < 2 ? std::nanf("") : INFINITY;
+  display = measure_display(all, graph, values, grid);
+  EXPECT_LT(display.window_low, display.window_high);
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "tests/preprocess/memberships.h"
+#include "tests/preprocess/random_images.h"
 #include "tests/support/neighbours.h"
 
 namespace splatlas {

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/preprocess/memberships.h"
+#include "tests/preprocess/random_images.h"
 #include "tests/support/repetitions.h"
 
 namespace splatlas {

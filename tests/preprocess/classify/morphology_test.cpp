@@ -1,5 +1,3 @@
-#include "preprocess/classify/morphology.h"
-
 #include <algorithm>
 #include <random>
 
@@ -7,6 +5,8 @@
 #include <itkBinaryBallStructuringElement.h>
 #include <itkBinaryMorphologicalClosingImageFilter.h>
 #include <itkBinaryMorphologicalOpeningImageFilter.h>
+
+#include "preprocess/classify/segment_volume.h"
 
 namespace splatlas {
 namespace {

@@ -1,5 +1,3 @@
-#include "preprocess/commands/progress_display.h"
-
 #include <chrono>
 #include <memory>
 #include <sstream>
@@ -8,6 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+
+#include "preprocess/commands/commands.h"
 
 namespace splatlas {
 namespace {

@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "preprocess/import/tables/names_table.h"
-#include "preprocess/import/tables/read_tree.h"
 #include "preprocess/structures/build_graph.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/file_bytes.h"

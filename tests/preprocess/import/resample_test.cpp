@@ -1,7 +1,6 @@
-#include "preprocess/import/resample.h"
-
 #include <gtest/gtest.h>
 
+#include "preprocess/import/images/import_image.h"
 #include "tests/preprocess/random_images.h"
 
 namespace splatlas {

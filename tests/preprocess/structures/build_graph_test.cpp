@@ -1,11 +1,16 @@
-// Tree files and their structure graphs.
+// Structure graphs of tree files, tables and JSON trees.
 
 #include "preprocess/structures/build_graph.h"
+
+#include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/preprocess/structures/graph_cases.h"
+#include "tests/preprocess/messages_of_notes.h"
+#include "tests/support/file_bytes.h"
+#include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
@@ -14,6 +19,67 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::UnorderedElementsAre;
+
+/// Six structures with names and codes in the style of AAL.
+std::vector<SourceStructure> sources_of_aal() {
+  std::vector<SourceStructure> result;
+  for (const auto& [name, code] : {std::pair<const char*, int>{"Precentral_L", 2001},
+                                   {"Precentral_R", 2002},
+                                   {"Insula_L", 3001},
+                                   {"Insula_R", 3002},
+                                   {"Vermis_3", 9110},
+                                   {"Rest of brain", 0}}) {
+    SourceStructure source;
+    source.name = name;
+    source.label = static_cast<std::int64_t>(result.size()) + 1;
+    if (code != 0) source.code = code;
+    if (code / 1000 == 3)
+      source.terms = {{"la", "Lobus insularis"}, {"synonym", "Reil" + source.name.substr(6)}};
+    result.push_back(source);
+  }
+  return result;
+}
+
+class GraphTest : public testing::Test {
+ protected:
+  Result<PlacedStructures> build(const std::string& tree) {
+    write_bytes(folder_.file("a.tree"), tree);
+    notes_ = {};
+    const auto lines = read_tree(folder_.file("a.tree"), notes_);
+    if (!lines) return tl::unexpected(lines.error());
+    return build_graph(sources_of_aal(), *lines, "a.tree", notes_);
+  }
+  std::string error(const std::string& tree) {
+    const auto placed = build(tree);
+    return placed ? "no error" : placed.error().message;
+  }
+  /// Items of a kind of notes.
+  [[nodiscard]] std::vector<std::string> items(const std::string& kind) const {
+    return items_of(notes_, kind);
+  }
+  TemporaryFolder folder_;
+  Notes notes_;
+};
+
+StructureIndex named(const StructureGraph& graph, const std::string& name) {
+  for (StructureIndex s = 0; s < graph.size(); ++s) {
+    if (graph[s].name == name) return s;
+  }
+  ADD_FAILURE() << "no structure " << name;
+  return 0;
+}
+
+std::vector<std::string> parents_of(const StructureGraph& graph, const std::string& name) {
+  std::vector<std::string> parents;
+  for (const StructureIndex p : graph[named(graph, name)].parents) parents.push_back(graph[p].name);
+  return parents;
+}
+
+std::vector<std::string> names_below(const StructureGraph& graph, const std::string& name) {
+  std::vector<std::string> names;
+  for (const StructureIndex s : graph.descendants(named(graph, name))) names.push_back(graph[s].name);
+  return names;
+}
 
 class BuildGraph : public GraphTest {};
 
@@ -156,6 +222,74 @@ TEST_F(BuildGraph, TellsTheLineOfAFault) {
   EXPECT_THAT(error("A/code:2001&*_R\n"), HasSubstr("code:2001&*_R"));
   EXPECT_THAT(error("Brain/A\tB/Insula_L\n"), AllOf(HasSubstr("line 1"), HasSubstr("a tab")));
   EXPECT_THAT(error(std::string(201, 'x') + "/Insula_L\n"), HasSubstr("201 characters"));
+}
+
+class PlaceNodes : public GraphTest {};
+
+TEST_F(PlaceNodes, PlacesTheRowsOfATable) {
+  const auto placed = build(
+      "id,name,parent,color\n100,Brain,,#010203\n101,Left,100,\n1,Precentral,101,\n3,Insula,101,\n"
+      "102,Unused,100,\n77,Nothing,102,\n5,Vermis,Midline,\n6,Rest,200,\n");
+  ASSERT_TRUE(placed) << placed.error().message;
+  const StructureGraph& graph = placed->graph;
+  EXPECT_THAT(names_below(graph, "Brain"), ElementsAre("Brain", "Left", "Precentral_L", "Insula_L"));
+  EXPECT_THAT(parents_of(graph, "Vermis_3"), ElementsAre("Midline"));
+  EXPECT_EQ(graph[named(graph, "Brain")].color, (Rgb{1, 2, 3}));
+  EXPECT_EQ(graph.size(), 9u);  // 6 structures, 3 groups
+  EXPECT_EQ(graph[0].name, "Brain");
+  EXPECT_THAT(items("tree-entries-unused"), ElementsAre("\"Unused\"", "\"Nothing\""));
+  EXPECT_THAT(items("tree-parents-unknown"), ElementsAre("\"id:200\" of \"Rest\""));
+}
+
+TEST_F(PlaceNodes, PlacesPathsOfIdsAndOfNames) {
+  for (const char* table : {"id,name,structure_id_path\n9,Brain,/9/\n8,Side,/9/8/\n1,x,/9/8/1/\n2,y,/9/2/\n",
+                            "label\tname\tpath\n1\tx\tBrain/Side\n2\ty\tBrain\n"}) {
+    const auto placed = build(table);
+    ASSERT_TRUE(placed) << placed.error().message;
+    EXPECT_EQ(placed->graph.size(), 8u);
+    EXPECT_THAT(names_below(placed->graph, "Brain"),
+                UnorderedElementsAre("Brain", "Side", "Precentral_L", "Precentral_R"));
+    EXPECT_THAT(parents_of(placed->graph, "Precentral_L"), ElementsAre("Side"));
+  }
+}
+
+TEST_F(PlaceNodes, BreaksCirclesOfTables) {
+  const auto placed = build("id,name,parent\n10,A,11\n11,B,10\n1,x,10\n");
+  ASSERT_TRUE(placed) << placed.error().message;
+  EXPECT_THAT(items("tree-circles"), ElementsAre("\"B\" of \"A\""));
+  EXPECT_THAT(names_below(placed->graph, "A"), ElementsAre("A", "Precentral_L"));
+}
+
+/// A group may have the name of its member, whose voxels it does not take.
+TEST_F(PlaceNodes, KeepsGroupsApartFromMembersOfTheirName) {
+  const auto placed =
+      build("label,id,name,parent\n,100,Precentral_L,\n1,101,Precentral_L,100\n2,102,y,100\n");
+  ASSERT_TRUE(placed) << placed.error().message;
+  std::vector<bool> have_labels;
+  for (const Structure& structure : placed->graph.structures()) {
+    if (structure.name == "Precentral_L") have_labels.push_back(structure.label.has_value());
+  }
+  EXPECT_THAT(have_labels, ElementsAre(false, true));
+}
+
+TEST_F(PlaceNodes, PlacesMasksByTheNamesOfATable) {
+  std::vector<SourceStructure> masks(2);
+  masks[0].name = "heart", masks[1].name = "aorta";
+  write_bytes(folder_.file("a.csv"), "id,name,parent\n51,Heart,Thorax\n52,Aorta,Thorax\n");
+  const auto lines = read_tree(folder_.file("a.csv"), notes_);
+  ASSERT_TRUE(lines);
+  const auto placed = build_graph(masks, *lines, "a.csv", notes_);
+  ASSERT_TRUE(placed) << placed.error().message;
+  EXPECT_THAT(names_below(placed->graph, "Thorax"), UnorderedElementsAre("Thorax", "heart", "aorta"));
+}
+
+TEST_F(PlaceNodes, RefusesTreesOfOtherLabels) {
+  EXPECT_THAT(
+      error("id,name,parent\n70,x,\n71,y,70\n"),
+      HasSubstr("a.tree: none of its 2 entries fits a structure by label or name; the first is \"x\""));
+  EXPECT_THAT(error("Brain/Precentral\nBrain/*_X\n"),
+              AllOf(HasSubstr("a.tree: line 1: "), HasSubstr("no line fits")));
+  EXPECT_THAT(error("{\"1\": \"spleen\"}"), HasSubstr("is no tree of the Allen Brain Atlas"));
 }
 
 }  // namespace

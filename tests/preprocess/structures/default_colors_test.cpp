@@ -1,8 +1,7 @@
-#include "preprocess/structures/default_colors.h"
-
 #include <gtest/gtest.h>
 
 #include "format/text/ascii_text.h"
+#include "preprocess/structures/graph_parts.h"
 
 namespace splatlas {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/preprocess/memberships.h"
+#include "tests/preprocess/random_images.h"
 #include "tests/support/closed_mesh.h"
 
 namespace splatlas {

@@ -1,5 +1,3 @@
-#include "preprocess/surfaces/thick_slices.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -7,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "format/derive/fit_surface.h"
+#include "preprocess/surfaces/extract_surfaces.h"
 #include "tests/format/derive/masks.h"
 #include "tests/support/closed_mesh.h"
 

@@ -20,7 +20,7 @@
 #include "format/derive/surface_net.h"
 #include "preprocess/surfaces/extract_surfaces.h"
 #include "tests/format/derive/masks.h"
-#include "tests/preprocess/memberships.h"
+#include "tests/preprocess/random_images.h"
 #include "tests/support/repetitions.h"
 
 namespace splatlas {

@@ -4,7 +4,6 @@
 #include <string_view>
 #include <utility>
 
-#include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

@@ -1,5 +1,3 @@
-#include "preprocess/import/images/dicom/import_dicom.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -13,12 +11,10 @@
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
 #include "preprocess/import/images/dicom/decode/decode_frame.h"
+#include "preprocess/import/images/dicom/dicom_frame.h"
 #include "preprocess/import/images/dicom/dicom_item.h"
-#include "preprocess/import/images/dicom/read_contours.h"
-#include "preprocess/import/images/dicom/read_frames.h"
 #include "preprocess/import/images/dicom/read_segmentation.h"
-#include "preprocess/import/images/dicom/stack_frames.h"
-#include "preprocess/import/import_error.h"
+#include "preprocess/import/images/pixels/image_readers.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

@@ -1,15 +1,12 @@
-#include "preprocess/import/images/dicom/read_contours.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 
 #include "format/result_macros.h"
 #include "preprocess/import/images/dicom/dicom_item.h"
-#include "preprocess/import/images/dicom/mask_layers.h"
 #include "preprocess/import/images/dicom/read_segmentation.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
-#include "preprocess/import/import_error.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {

@@ -1,15 +1,14 @@
-#include "preprocess/import/images/dicom/read_frames.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
+#include "preprocess/import/images/dicom/dicom_frame.h"
 #include "preprocess/import/images/dicom/dicom_item.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
-#include "preprocess/import/import_error.h"
 #include "preprocess/import/isolation/run_isolated.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {

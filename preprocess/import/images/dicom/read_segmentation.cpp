@@ -6,8 +6,6 @@
 #include "format/result_macros.h"
 #include "preprocess/import/images/dicom/decode/decode_frame.h"
 #include "preprocess/import/images/dicom/dicom_item.h"
-#include "preprocess/import/images/dicom/mask_layers.h"
-#include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

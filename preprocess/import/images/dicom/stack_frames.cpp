@@ -1,5 +1,3 @@
-#include "preprocess/import/images/dicom/stack_frames.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -9,8 +7,9 @@
 #include <fmt/format.h>
 
 #include "format/result_macros.h"
+#include "preprocess/import/images/dicom/dicom_frame.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
-#include "preprocess/import/import_error.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {

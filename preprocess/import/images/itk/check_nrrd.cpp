@@ -13,7 +13,6 @@
 #include "format/text/ascii_text.h"
 #include "preprocess/import/images/itk/itk_call.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
-#include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

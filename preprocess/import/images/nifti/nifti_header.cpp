@@ -10,7 +10,7 @@
 
 #include "format/result_macros.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
-#include "preprocess/import/import_error.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {

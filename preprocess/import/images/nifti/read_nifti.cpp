@@ -9,7 +9,6 @@
 #include "preprocess/import/images/pixels/check_image_file.h"
 #include "preprocess/import/images/pixels/image_readers.h"
 #include "preprocess/import/images/pixels/read_deflated.h"
-#include "preprocess/import/import_error.h"
 #include "preprocess/import/quiet_vtk.h"
 #include "preprocess/import/tables/text_file.h"
 

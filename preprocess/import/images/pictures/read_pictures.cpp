@@ -1,5 +1,3 @@
-#include "preprocess/import/images/pictures/read_pictures.h"
-
 #include <algorithm>
 #include <array>
 #include <cstdarg>
@@ -18,8 +16,8 @@
 #include "format/text/ascii_text.h"
 #include "preprocess/import/images/itk/itk_call.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
+#include "preprocess/import/images/pixels/image_readers.h"
 #include "preprocess/import/images/pixels/read_deflated.h"
-#include "preprocess/import/import_error.h"
 #include "preprocess/import/isolation/run_isolated.h"
 #include "preprocess/import/tables/text_file.h"
 

@@ -7,7 +7,6 @@
 #include "format/io/memory_limit.h"
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
-#include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

@@ -11,7 +11,6 @@
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
-#include "preprocess/import/import_error.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

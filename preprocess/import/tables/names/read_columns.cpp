@@ -7,8 +7,8 @@
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
 #include "preprocess/import/quiet_vtk.h"
-#include "preprocess/import/tables/names/dialects.h"
-#include "preprocess/import/tables/table_entries.h"
+#include "preprocess/import/tables/names_collector.h"
+#include "preprocess/import/tables/table.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

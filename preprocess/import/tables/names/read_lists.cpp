@@ -8,8 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "format/text/ascii_text.h"
-#include "preprocess/import/tables/color_text.h"
-#include "preprocess/import/tables/names/dialects.h"
+#include "preprocess/import/tables/names_collector.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "preprocess/export/write_image.h"
-#include "preprocess/import/labels/label_map.h"
 #include "tests/preprocess/messages_of_notes.h"
 #include "tests/preprocess/random_images.h"
 #include "tests/preprocess/raw_image_files.h"

@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "preprocess/import/meshes/place_mesh.h"
+#include "preprocess/import/meshes/import_mesh.h"
 #include "tests/preprocess/messages_of_notes.h"
 #include "tests/preprocess/raw_image_files.h"
 #include "tests/support/closed_mesh.h"

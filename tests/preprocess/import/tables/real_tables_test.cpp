@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "format/text/ascii_text.h"
-#include "preprocess/import/tables/read_tree.h"
+#include "preprocess/import/tables/names_table.h"
 #include "preprocess/structures/build_graph.h"
 #include "tests/preprocess/import/tables/names_cases.h"
 

@@ -11,9 +11,8 @@
 #include <dcmtk/dcmjpls/djdecode.h>
 
 #include "format/result_macros.h"
-#include "preprocess/import/images/dicom/decode/decode_jpeg_2000.h"
-#include "preprocess/import/import_error.h"
 #include "preprocess/import/isolation/run_isolated.h"
+#include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {
 namespace {

@@ -64,4 +64,8 @@ class FrameDecoder {
   std::vector<std::int32_t> values_;
 };
 
+/// Decodes a JPEG 2000 image of one component. kFailed if it has another size or more bits than `format`.
+[[nodiscard]] Result<void> decode_jpeg_2000(std::span<const std::byte> bytes, const PixelFormat& format,
+                                            std::vector<std::int32_t>& values);
+
 }  // namespace splatlas

@@ -1,6 +1,4 @@
 // JPEG 2000 images in memory, by OpenJPEG.
-#include "preprocess/import/images/dicom/decode/decode_jpeg_2000.h"
-
 #include <algorithm>
 #include <cstring>
 #include <memory>
@@ -9,6 +7,7 @@
 #include <openjpeg.h>
 
 #include "format/result_macros.h"
+#include "preprocess/import/images/dicom/decode/decode_frame.h"
 
 namespace splatlas {
 namespace {

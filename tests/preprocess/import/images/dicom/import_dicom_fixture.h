@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "preprocess/import/images/dicom/import_dicom.h"
+#include "preprocess/import/images/pixels/image_readers.h"
 #include "tests/preprocess/import/images/dicom/dicom_files.h"
 #include "tests/preprocess/messages_of_notes.h"
 #include "tests/support/fails_with.h"
