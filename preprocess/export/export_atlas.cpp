@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "format/content/selection.h"
+#include "format/derive/label_map.h"
 #include "format/io/output_file.h"
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"

@@ -1,17 +1,15 @@
 #include "preprocess/export/export_labels.h"
 
 #include <algorithm>
-#include <bit>
 #include <cstdint>
-#include <limits>
 #include <map>
 #include <set>
 #include <thread>
-#include <type_traits>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "format/derive/label_map.h"
 #include "format/derive/structure_crop.h"
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"
@@ -42,42 +40,6 @@ std::string safe_name(std::string_view name) {
   safe.resize(std::min(safe.size(), kMaxBytes));
   if (safe.back() == '.') safe.back() = '_';
   return safe;
-}
-
-/// True if voxels of the type represent the label exactly.
-bool holds_label(VoxelType type, std::int64_t label) {
-  return visit_voxel_type(type, [&]<typename T>(T) {
-    if constexpr (std::is_integral_v<T>) return std::in_range<T>(label);
-    // Exact if at most `digits` bits remain between the highest and the lowest set bit
-    const std::uint64_t size =
-        label < 0 ? 0 - static_cast<std::uint64_t>(label) : static_cast<std::uint64_t>(label);
-    return size == 0 || std::bit_width(size) - std::countr_zero(size) <= std::numeric_limits<T>::digits;
-  });
-}
-
-/// [class]: its label, or 0.
-Result<std::vector<std::int64_t>> labels_of_classes(const AtlasContent& content, const std::string& name) {
-  std::vector<std::int64_t> labels(content.classes.size(), 0);
-  for (ClassId c = 0; c < labels.size(); ++c) {
-    if (content.classes.voxels(c) == 0) continue;
-    const Structure* labelled = nullptr;
-    for (const Membership& m : content.classes.members(c)) {
-      const Structure& structure = content.graph[m.structure];
-      if (!m.holds() || !structure.label) continue;
-      if (labelled != nullptr) {
-        return bad_file(
-            name, "'{}' and '{}' overlap; a label map cannot represent this; export masks: --labels FOLDER/",
-            labelled->name, structure.name);
-      }
-      if (!holds_label(content.label_type, *structure.label)) {
-        return bad_file(name, "'{}' has label {}, which {} cannot hold; export masks: --labels FOLDER/",
-                        structure.name, *structure.label, name_of(content.label_type));
-      }
-      labelled = &structure;
-      labels[c] = *structure.label;
-    }
-  }
-  return labels;
 }
 
 /// Structures with a mask: no groups, no external surfaces.
@@ -138,25 +100,11 @@ Result<ExportedMasks> write_masks(const AtlasContent& content, const fs::path& p
 
 }  // namespace
 
-VoxelBuffer to_source_order(const VoxelBuffer& stored, const AtlasContent& content) {
-  VoxelBuffer source{stored.type, std::vector<std::byte>(stored.bytes.size())};
-  reorder_voxels(stored.bytes.data(), storage_grid(content).size, inverse(content.source_to_storage),
-                 bytes_of(stored.type), source.bytes.data());
-  return source;
-}
-
 Result<OutputFile> export_label_map(const AtlasContent& content, const std::string& name,
                                     const fs::path& path) {
-  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::int64_t> labels, labels_of_classes(content, name));
-  VoxelBuffer stored{content.label_type,
-                     std::vector<std::byte>(content.class_volume.size() * bytes_of(content.label_type))};
-  visit_voxel_type(stored.type, [&]<typename T>(T) {
-    T* const voxels = stored.as<T>();
-    for (std::size_t v = 0; v < content.class_volume.size(); ++v) {
-      voxels[v] = static_cast<T>(labels[content.class_volume[v]]);
-    }
-  });
-  return write_image({content.source_grid, to_source_order(stored, content)}, path);
+  SPLATLAS_ASSIGN_OR_RETURN(const VoxelBuffer labels,
+                            label_map(content, name, "export masks: --labels FOLDER/"));
+  return write_image({content.source_grid, labels}, path);
 }
 
 std::vector<std::string> structures_without_label(const AtlasContent& content) {

@@ -13,9 +13,6 @@
 
 namespace splatlas {
 
-/// Reorders voxels from the storage grid to the source grid.
-[[nodiscard]] VoxelBuffer to_source_order(const VoxelBuffer& stored, const AtlasContent& content);
-
 /// Writes the source label map, voxel for voxel, as a volume file, without structures that have no label
 /// (segments, surfaces). kFailed if labels overlap, and for a label that label_type cannot hold exactly.
 /// Messages call the atlas `name`. The file has no name until commit_files().
