@@ -96,7 +96,7 @@ else
   fix_addresses
   step "Thread sanitizer: build" build tsan
   step "Thread sanitizer: tests" run_tests tsan --label-regex '^(format|player)$'
-  # Twelve targets, two per core, 1200 seconds each: an hour on two cores.
+  # Seven targets, two per core, 1200 seconds each: 40 minutes on two cores.
   step "Fuzzing" env FUZZ_JOBS=$((2 * $(nproc))) scripts/fuzz.sh 1200
 fi
 

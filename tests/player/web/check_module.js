@@ -3,7 +3,6 @@
 //   interface  imports and exports are exactly those listed here
 //   pieces     an atlas in pieces, as from a server, gives the same pictures, and not all of it is read
 //   hostile    atlases with right checksums and wrong contents do as they do natively, never trap
-//   damage     damaged atlases give an error, or a picture that tells what is missing, never a trap
 // Exit status 77: there is no module.
 'use strict';
 const assert = require('node:assert');
@@ -113,44 +112,6 @@ async function checkPieces(module, folder) {
   assert.deepStrictEqual(remote.wanted(), [[0, 64]]);
 }
 
-/** The outcome of opening and drawing an atlas: 'error', 'part', or the pictures. */
-function outcome(splatlas, atlas) {
-  try {
-    splatlas.open(atlas);
-    splatlas.info();
-    const pictures = [];
-    for (const [azimuth, elevation] of [[0, 0], [90, 0], [0, 90]]) {
-      const {data, missing} = splatlas.draw({select: '*:both', size: [32, 32], quality: 'draft', camera: {azimuth, elevation}});
-      if (missing.length > 0) return 'part';
-      pictures.push(Buffer.from(data).toString('hex'));
-    }
-    return pictures.join();
-  } catch (error) {
-    if (error instanceof Splatlas.Error) return 'error';
-    throw error;
-  }
-}
-
-async function checkDamage(module, folder) {
-  const kVariants = 120;
-  const atlas = fs.readFileSync(path.join(folder, 'phantom.atlas'));
-  const splatlas = await Splatlas.load(module);
-  const intact = outcome(splatlas, atlas);
-  assert(intact.length > 100);
-  const counts = {error: 0, part: 0, unharmed: 0};
-  for (let n = 0; n < kVariants; ++n) {
-    const place = Math.floor(n * atlas.length / kVariants);
-    const damaged = Buffer.from(n % 3 === 0 ? atlas.subarray(0, place) : atlas);
-    if (n % 3 !== 0) damaged[place] ^= 1 << (n % 8);
-    const got = outcome(splatlas, damaged);
-    assert(got === 'error' || got === 'part' || got === intact, `variant ${n}: another picture without an error`);
-    ++counts[got === intact ? 'unharmed' : got];
-  }
-  console.log(counts);
-  assert(counts.error > kVariants / 3 && counts.part > 0);
-  assert.strictEqual(outcome(splatlas, atlas), intact);
-}
-
 async function checkHostile(module, folder) {
   const splatlas = await Splatlas.load(module);
   const counts = {error: 0, part: 0, whole: 0};
@@ -180,7 +141,7 @@ async function checkHostile(module, folder) {
 async function main([check, file, folder]) {
   if (!fs.existsSync(file)) return 77;
   const module = await WebAssembly.compile(fs.readFileSync(file));
-  await {pictures: checkPictures, interface: checkInterface, pieces: checkPieces, damage: checkDamage, hostile: checkHostile}[check](module, folder);
+  await {pictures: checkPictures, interface: checkInterface, pieces: checkPieces, hostile: checkHostile}[check](module, folder);
   return 0;
 }
 
