@@ -6,11 +6,12 @@ cd "$(dirname "$0")"
 
 if (($# > 1)); then set -- "$*"; fi
 case ${1-} in
-  '') sets='player|demo|tests' ;;
+  '') sets='player|demo|python|tests' ;;
   --demo) sets='player|demo' ;;
+  --debian) sets='player|demo|python|debian' ;;
   --player) sets=player ;;
   --help | -h) cat install_packages.txt; exit 0 ;;
-  *) printf 'install_packages: %s: must be --demo, --player or --help\n' "$1" >&2; exit 2 ;;
+  *) printf 'install_packages: %s: must be --demo, --player, --debian or --help\n' "$1" >&2; exit 2 ;;
 esac
 mapfile -t packages < <(awk -v sets="^($sets)\$" '$1 ~ sets { print $2 }' packages.txt)
 

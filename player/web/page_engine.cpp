@@ -347,7 +347,11 @@ PageAnswer PageEngine::call(std::string_view request, std::vector<std::byte> byt
   try {
     const Json json = Json::parse(request);
     const Result<std::string> text = Call{*this, json, bytes, control}.text();
-    if (!text) return failed(text.error().code, text.error().message.c_str());
+    if (!text) {
+      PageAnswer answer = failed(text.error().code, text.error().message.c_str());
+      answer.subject = text.error().subject;
+      return answer;
+    }
     return {.text = *text, .has_picture = json.at("call") == "draw"};
   } catch (const std::bad_alloc&) {
     return failed(ErrorCode::kLimit, "out of memory");

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "player/renderer.h"
@@ -19,6 +20,7 @@ struct PageAnswer {
   int status = 0;
   std::string text;
   bool has_picture = false;  ///< PageEngine::frame() is the picture that was asked for
+  std::string subject = {};  ///< of the error
 };
 
 /// An atlas with one selection and the latest picture. Not thread-safe.
@@ -58,6 +60,9 @@ class PageEngine {
 
   /// The latest picture; empty after an error in drawing it.
   [[nodiscard]] const Frame& frame() const { return frame_; }
+  /// Gives the latest picture away: "pick", "light" and "labels" know it no more. The next one reuses the
+  /// memory of `spare`.
+  [[nodiscard]] Frame take_frame(Frame spare) { return std::exchange(frame_, std::move(spare)); }
 
  private:
   struct Call;

@@ -176,6 +176,8 @@ Result<PageState> page_state_of(const Json& json) {
   options.depth_cue = value_at(json, "depthCue", false) ? DepthCue::kEdges : DepthCue::kNone;
   options.hybrid_shading = value_at(json, "shading", true);
   options.draft_budget_ms = value_at(json, "draftBudget", 0.0);
+  options.ids = value_at(json, "ids", false);
+  options.depths = value_at(json, "depths", false);
   for (const Json& cut : value_at(json, "cuts", Json::array()))
     SPLATLAS_RETURN_IF_ERROR(
         options.cuts.add({cut.at("normal").get<Vec3>(), cut.at("offset").get<double>()}));

@@ -39,8 +39,8 @@ struct PageState {
 
 /// Reads {size: [width, height], quality, camera: {azimuth, elevation, zoom, center, projection, fieldOfView,
 /// fit: {structure, zoom, center, size}}, select, cuts: [{normal, offset}], caps, depthCue, shading,
-/// draftBudget}: degrees, LPS mm and ms. All but the size have the defaults of Camera and RenderOptions.
-/// kUsage for values that these do not have; throws nlohmann::json::exception for other types.
+/// draftBudget, ids, depths}: degrees, LPS mm and ms. All but the size have the defaults of Camera and
+/// RenderOptions. kUsage for values that these do not have; throws nlohmann::json::exception for other types.
 [[nodiscard]] Result<PageState> page_state_of(const nlohmann::ordered_json& json);
 
 /// The camera as in a state, without a fit.

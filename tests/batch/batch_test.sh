@@ -10,7 +10,7 @@ need_colin27
 
 make_folder
 cd "$folder"
-subjects() { python3 "$here/make_subjects.py" "$@"; }
+subjects() { /usr/bin/python3 "$here/make_subjects.py" "$@"; }
 volumes() { tail -n +2 "$1/volumes.csv" | LC_ALL=C sort; }
 results() { (cd "$1" && find . -not -path './.snakemake/*' -not -path './logs/*' -type f | sort | xargs sha256sum); }
 times() { (cd "$1" && stat -c '%n %y' ./*.atlas pictures/*); }

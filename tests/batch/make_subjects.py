@@ -5,20 +5,19 @@
     make_subjects.py mirror SUBJECTS NAME      mirrors the labels of one subject and swaps left and right
     make_subjects.py count SUBJECTS            prints "subject,structure,voxels,ml" of every structure, sorted
 
-The counts come from the bytes of the files alone, so they check the volumes table independently.
-NIfTI files are edited with struct and gzip: x is the fastest axis, and grows to the right.
+The counts come from the files by nibabel alone, so they check the volumes table independently.
 """
 import collections
-import gzip
 import math
 import pathlib
-import struct
 import sys
 
+import nibabel
+import numpy as np
+import pydicom
+
 TEMPLATES = pathlib.Path("/usr/share/mricron/templates")
-SIZE = (181, 217, 181)
-HEADER_BYTES = 352
-BOX = (range(46, 94), range(92, 140), range(62, 94))  # deep grey matter, nearly all of it on the left
+BOX = ((46, 94), (92, 140), (62, 94))  # deep grey matter, nearly all of it on the left
 MASKS_SUBJECT = 4     # a folder of masks, without volume
 UNNAMED_SUBJECT = 5   # no names file
 LABELS_ONLY = 6       # no volume
@@ -28,46 +27,19 @@ DICOM_SUBJECT = 10    # the volume is a series of DICOM files
 TREE = "Brain/Left hemisphere/*_L\nBrain/Right hemisphere/*_R\n"
 
 
-def read_template(name):
-    data = gzip.decompress((TEMPLATES / f"{name}.nii.gz").read_bytes())
-    if struct.unpack_from("<8h", data, 40)[1:4] != SIZE or struct.unpack_from("<h", data, 70)[0] != 2:
-        sys.exit(f"{name}: not the expected template of one byte a voxel")
-    return bytearray(data)
+def voxels_of(path):
+    return np.asanyarray(nibabel.load(path).dataobj)
 
 
-def rows(data, size):
-    """The voxels as rows along x, in the order of the file."""
-    return [data[begin:begin + size[0]] for begin in range(HEADER_BYTES, len(data), size[0])]
-
-
-def cropped(data, shift, mirrored):
-    """The box, shifted by voxels along each axis; the origin moves with it. Mirrors the head before, not the box."""
-    box = [range(axis.start + step, axis.stop + step) for axis, step in zip(BOX, shift)]
-    header = bytearray(data[:HEADER_BYTES])
-    struct.pack_into("<3h", header, 42, *(len(axis) for axis in box))
-    for axis, offset in enumerate((292, 308, 324)):  # last column of the sform
-        origin, = struct.unpack_from("<f", data, offset)
-        struct.pack_into("<f", header, offset, origin + box[axis].start)
-    voxels = bytearray()
-    for z in box[2]:
-        for y in box[1]:
-            begin = HEADER_BYTES + SIZE[0] * (y + SIZE[1] * z)
-            row = data[begin:begin + SIZE[0]]
-            voxels += (row[::-1] if mirrored else row)[box[0].start:box[0].stop]
-    return bytes(header + voxels)
-
-
-def scaled(data):
-    """The same voxels with other spacings."""
-    header = bytearray(data[:HEADER_BYTES])
-    for axis, (spacing, row) in enumerate(zip(SCALES, (280, 296, 312))):
-        struct.pack_into("<f", header, 80 + 4 * axis, spacing)
-        struct.pack_into("<f", header, row + 4 * axis, spacing)
-    return bytes(header) + data[HEADER_BYTES:]
-
-
-def write(path, data):
-    path.write_bytes(gzip.compress(data, 6, mtime=0))
+def cropped(name, shift, mirrored, scales):
+    """The box, shifted by voxels along each axis, with its place. Mirrors the head before, not the box."""
+    image = nibabel.load(TEMPLATES / f"{name}.nii.gz")
+    data = np.asanyarray(image.dataobj)[::-1 if mirrored else 1]
+    box = tuple(slice(first + step, last + step) for (first, last), step in zip(BOX, shift))
+    affine = image.affine.copy()
+    affine[:3, 3] += [axis.start for axis in box]
+    affine[:3, :3] *= scales
+    return nibabel.Nifti1Image(data[box], affine)
 
 
 def names_of_labels():
@@ -78,65 +50,48 @@ def names_of_labels():
 def write_masks(folder, labels):
     """One mask for each structure of the label map."""
     folder.mkdir()
-    names = names_of_labels()
-    for label in sorted(set(labels[HEADER_BYTES:]) - {0}):
-        table = bytes(int(value == label) for value in range(256))
-        write(folder / f"{names[label]}.nii.gz", labels[:HEADER_BYTES] + labels[HEADER_BYTES:].translate(table))
-
-
-def element(group, number, kind, value):
-    """A data element of DICOM, explicit VR, little endian."""
-    if isinstance(value, str):
-        value = value.encode()
-    value += (b"\0" if kind in ("UI", "OB") else b" ") * (len(value) % 2)
-    length = struct.pack("<2xI", len(value)) if kind in ("OB", "OW") else struct.pack("<H", len(value))
-    return struct.pack("<2H", group, number) + kind.encode() + length + value
+    names, data = names_of_labels(), np.asanyarray(labels.dataobj)
+    for label in np.unique(data[data > 0]):
+        nibabel.save(nibabel.Nifti1Image((data == label).astype(np.uint8), labels.affine),
+                     folder / f"{names[label]}.nii.gz")
 
 
 def write_series(folder, grey):
-    """One MR slice a file, on the grid of the NIfTI file. DICOM's x and y grow to the left and to the back."""
+    """One MR slice a file, on the grid of the image. DICOM's x and y grow to the left and to the back."""
     folder.mkdir()
-    width, height, depth = struct.unpack_from("<3h", grey, 42)
-    left, back, up = (struct.unpack_from("<f", grey, offset)[0] for offset in (292, 308, 324))
-    mr_image, series = "1.2.840.10008.5.1.4.1.1.4", "2.25.1"
-    for z in range(depth):
-        begin = HEADER_BYTES + z * width * height
-        pixels = grey[begin:begin + width * height]
-        meta = b"".join([
-            element(2, 1, "OB", b"\0\1"), element(2, 2, "UI", mr_image), element(2, 3, "UI", f"{series}.{z + 1}"),
-            element(2, 0x10, "UI", "1.2.840.10008.1.2.1"), element(2, 0x12, "UI", "2.25.2")])
-        data = b"".join([
-            element(8, 0x16, "UI", mr_image), element(8, 0x18, "UI", f"{series}.{z + 1}"), element(8, 0x60, "CS", "MR"),
-            element(0x18, 0x50, "DS", "1"),
-            element(0x20, 0xd, "UI", "2.25.3"), element(0x20, 0xe, "UI", series), element(0x20, 0x13, "IS", str(z + 1)),
-            element(0x20, 0x32, "DS", f"{-left}\\{-back}\\{up + z}"), element(0x20, 0x37, "DS", "-1\\0\\0\\0\\-1\\0"),
-            element(0x20, 0x52, "UI", "2.25.4"),
-            element(0x28, 2, "US", struct.pack("<H", 1)), element(0x28, 4, "CS", "MONOCHROME2"),
-            element(0x28, 0x10, "US", struct.pack("<H", height)), element(0x28, 0x11, "US", struct.pack("<H", width)),
-            element(0x28, 0x30, "DS", "1\\1"), element(0x28, 0x100, "US", struct.pack("<H", 8)),
-            element(0x28, 0x101, "US", struct.pack("<H", 8)), element(0x28, 0x102, "US", struct.pack("<H", 7)),
-            element(0x28, 0x103, "US", struct.pack("<H", 0)), element(0x7fe0, 0x10, "OB", pixels)])
-        length = element(2, 0, "UL", struct.pack("<I", len(meta)))
-        (folder / f"{depth - z:03}").write_bytes(bytes(128) + b"DICM" + length + meta + data)
+    data = np.asanyarray(grey.dataobj)
+    right, front, up = grey.affine[:3, 3]
+    for z in range(data.shape[2]):
+        one = pydicom.Dataset()
+        one.SOPClassUID, one.SOPInstanceUID = "1.2.840.10008.5.1.4.1.1.4", f"2.25.1.{z + 1}"
+        one.Modality, one.SliceThickness, one.InstanceNumber = "MR", 1, z + 1
+        one.StudyInstanceUID, one.SeriesInstanceUID, one.FrameOfReferenceUID = "2.25.3", "2.25.1", "2.25.4"
+        one.ImagePositionPatient, one.ImageOrientationPatient = [-right, -front, up + z], [-1, 0, 0, 0, -1, 0]
+        one.Columns, one.Rows, one.PixelSpacing = *data.shape[:2], [1, 1]
+        one.SamplesPerPixel, one.PhotometricInterpretation, one.PixelRepresentation = 1, "MONOCHROME2", 0
+        one.BitsAllocated, one.BitsStored, one.HighBit = 8, 8, 7
+        one.PixelData = data[:, :, z].tobytes(order="F")
+        one.file_meta = pydicom.dataset.FileMetaDataset()
+        one.file_meta.TransferSyntaxUID = pydicom.uid.ExplicitVRLittleEndian
+        one.is_little_endian, one.is_implicit_VR = True, False
+        one.save_as(folder / f"{data.shape[2] - z:03}", write_like_original=False)
 
 
 def make(folder, count):
-    labels, volume = read_template("aal"), read_template("ch2")
     for number in range(1, count + 1):
         subject = folder / f"s{number:02}"
         subject.mkdir(parents=True)
-        shift, mirrored = (number % 3, number % 4, number % 5), number % 2 == 0
-        cut, grey = cropped(labels, shift, mirrored), cropped(volume, shift, mirrored)
-        if number == SCALED_SUBJECT:
-            cut, grey = scaled(cut), scaled(grey)
+        scales = SCALES if number == SCALED_SUBJECT else (1, 1, 1)
+        place = ((number % 3, number % 4, number % 5), number % 2 == 0, scales)
+        labels, grey = cropped("aal", *place), cropped("ch2", *place)
         if number == MASKS_SUBJECT:
-            write_masks(subject / "masks", cut)
+            write_masks(subject / "masks", labels)
             continue
-        write(subject / "labels.nii.gz", cut)
+        nibabel.save(labels, subject / "labels.nii.gz")
         if number == DICOM_SUBJECT:
             write_series(subject / "dicom", grey)
         elif number != LABELS_ONLY:
-            write(subject / "volume.nii.gz", grey)
+            nibabel.save(grey, subject / "volume.nii.gz")
         if number != UNNAMED_SUBJECT:
             (subject / "names.txt").write_bytes((TEMPLATES / "aal.nii.txt").read_bytes())
             (subject / "tree.tree").write_text(TREE)
@@ -144,12 +99,10 @@ def make(folder, count):
 
 def mirror(subject):
     path = subject / "labels.nii.gz"
-    data = gzip.decompress(path.read_bytes())
-    size = struct.unpack_from("<3h", data, 42)
-    # AAL numbers pairs: 1 left, 2 right, up to 107 and 108; then the vermis.
-    swap = bytes(value + 1 if value % 2 else value - 1 for value in range(1, 109))
-    table = bytes([0]) + swap + bytes(range(109, 256))
-    write(path, data[:HEADER_BYTES] + b"".join(row[::-1].translate(table) for row in rows(data, size)))
+    image = nibabel.load(path)
+    other = np.arange(256, dtype=np.uint8)  # AAL numbers pairs: 1 left, 2 right, to 107 and 108; then the vermis
+    other[1:109] = other[1:109].reshape(-1, 2)[:, ::-1].ravel()
+    nibabel.save(nibabel.Nifti1Image(other[np.array(image.dataobj)[::-1]], image.affine), path)
 
 
 def count(folder):
@@ -158,11 +111,12 @@ def count(folder):
         found = collections.Counter()
         if (subject / "masks").is_dir():
             for mask in (subject / "masks").iterdir():
-                found[mask.name.removesuffix(".nii.gz")] = gzip.decompress(mask.read_bytes())[HEADER_BYTES:].count(1)
+                found[mask.name.removesuffix(".nii.gz")] = np.count_nonzero(voxels_of(mask))
         else:
             names = names_of_labels() if (subject / "names.txt").exists() else {}
-            voxels = gzip.decompress((subject / "labels.nii.gz").read_bytes())[HEADER_BYTES:]
-            found.update({names.get(label, f"Label {label}"): voxels.count(label) for label in set(voxels) - {0}})
+            for label, voxels in zip(*np.unique(voxels_of(subject / "labels.nii.gz"), return_counts=True)):
+                if label > 0:
+                    found[names.get(label, f"Label {label}")] = voxels
         if (subject / "tree.tree").exists():
             left = sum(voxels for name, voxels in found.items() if name.endswith("_L"))
             right = sum(voxels for name, voxels in found.items() if name.endswith("_R"))

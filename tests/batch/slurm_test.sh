@@ -102,7 +102,7 @@ on_slurm=(--jobs 2
 
 start_slurm
 say "Slurm runs"
-python3 "$here/make_subjects.py" make subjects 2
+/usr/bin/python3 "$here/make_subjects.py" make subjects 2
 run subjects local -j 2 || fail "the run without Slurm failed"
 run subjects library "${on_slurm[@]}" || fail "the run on Slurm failed"
 for result in s01.atlas s02.atlas volumes.csv contact_sheet.png; do

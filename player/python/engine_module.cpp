@@ -1,0 +1,353 @@
+// splatlas._engine: atlases as arrays, and pictures of a PageEngine, for the package in splatlas/.
+// Calls of one Player are serialised. They release the interpreter, and Ctrl+C cancels pictures.
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "format/atlas_reader.h"
+#include "format/content/cut_planes.h"
+#include "format/derive/label_map.h"
+#include "format/tasks/task_control.h"
+#include "player/web/page_engine.h"
+#include "player/write_picture.h"
+#include "player/write_png.h"
+
+namespace py = pybind11;
+
+namespace splatlas {
+namespace {
+
+using Shape = std::vector<py::ssize_t>;
+
+/// An Error on its way to Python.
+struct Failure {
+  Error error;
+};
+
+template <typename T>
+T value_or_fail(Result<T> result) {
+  if (!result) throw Failure{result.error()};
+  if constexpr (!std::is_void_v<T>) return *std::move(result);
+}
+
+const char* kind_of(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::kUsage: return "usage";
+    case ErrorCode::kInvalidAtlas: return "invalid atlas";
+    case ErrorCode::kNotFound: return "not found";
+    case ErrorCode::kLimit: return "limit";
+    case ErrorCode::kCancelled: return "cancelled";
+    case ErrorCode::kFailed: break;
+  }
+  return "failed";
+}
+
+/// Without the interpreter.
+template <typename Work>
+auto released(const Work& work) {
+  const py::gil_scoped_release release;
+  return work();
+}
+
+/// An array that owns `values`: columns first (the first index varies fastest) or rows first.
+template <typename T>
+py::array array_of(std::vector<T> values, const py::dtype& type, const Shape& shape,
+                   bool columns_first = false) {
+  auto kept = std::make_unique<std::vector<T>>(std::move(values));
+  void* const data = kept->data();
+  const py::capsule owner(kept.get(), [](void* p) { delete static_cast<std::vector<T>*>(p); });
+  kept.release();
+  const auto bytes = type.itemsize();
+  return {type, shape,
+          columns_first ? py::detail::f_strides(shape, bytes) : py::detail::c_strides(shape, bytes), data,
+          owner};
+}
+
+py::array volume_of(VoxelBuffer buffer, const Grid& grid) {
+  const py::dtype type(name_of(buffer.type));
+  return array_of(std::move(buffer.bytes), type, {grid.size[0], grid.size[1], grid.size[2]}, true);
+}
+
+/// Ends a picture on Ctrl+C. Asks the interpreter every 50 ms, as waiting for it takes time.
+class Interrupt {
+ public:
+  RenderControl control() {
+    return {source_.get_token(), [this](double) {
+              const auto now = std::chrono::steady_clock::now();
+              if (now - asked_ < std::chrono::milliseconds(50)) return;
+              asked_ = now;
+              const py::gil_scoped_acquire acquire;
+              if (PyErr_CheckSignals() != 0) source_.request_stop();
+            }};
+  }
+  [[nodiscard]] bool is_requested() const { return source_.stop_requested(); }
+
+ private:
+  std::stop_source source_;
+  std::chrono::steady_clock::time_point asked_ = std::chrono::steady_clock::now();
+};
+
+/// An atlas and its renderer.
+class Player {
+ public:
+  Player(const std::string& path, const RendererOptions& renderer, const AtlasOptions& options)
+      : atlas_(value_or_fail(Atlas::open(path, options))), engine_(renderer) {
+    engine_.open(atlas_);
+  }
+
+  [[nodiscard]] const Atlas& atlas() const { return *atlas_; }
+
+  /// An answer of PageEngine::call(). With "draw", its picture is moved to `drawn`.
+  std::string call(const std::string& request, Frame* drawn = nullptr) {
+    Interrupt interrupt;
+    PageAnswer answer = released([&] {
+      const std::lock_guard lock(mutex_);
+      PageAnswer made = engine_.call(request, {}, interrupt.control());
+      if (drawn != nullptr && made.status == 0) *drawn = engine_.take_frame(take_spare());
+      return made;
+    });
+    if (interrupt.is_requested()) throw py::error_already_set();
+    if (answer.status != 0)
+      throw Failure{{static_cast<ErrorCode>(answer.status - 1), answer.text, answer.subject}};
+    return std::move(answer.text);
+  }
+
+  [[nodiscard]] std::optional<Pick> pick(const Frame& frame, double x, double y) {
+    return released([&] {
+      const std::lock_guard lock(mutex_);
+      return frame.pick(x, y);
+    });
+  }
+
+  /// Keeps the memory of a picture for the next one.
+  void recycle(Frame frame) {
+    const std::lock_guard lock(spare_mutex_);
+    spare_ = std::move(frame);
+  }
+
+ private:
+  Frame take_spare() {
+    const std::lock_guard lock(spare_mutex_);
+    return std::exchange(spare_, {});
+  }
+
+  std::shared_ptr<const Atlas> atlas_;
+  std::mutex mutex_;  // of the engine; never locked while the interpreter is held
+  PageEngine engine_;
+  std::mutex spare_mutex_;
+  Frame spare_;
+};
+
+/// A picture, and what it shows.
+class Drawing {
+ public:
+  Drawing(std::shared_ptr<Player> player, const std::string& request,
+          const std::optional<std::string>& background)
+      : player_(std::move(player)) {
+    if (background) background_ = value_or_fail(parse_color(*background));
+    answer = player_->call(request, &frame_);
+  }
+  ~Drawing() { player_->recycle(std::move(frame_)); }
+  Drawing(const Drawing&) = delete;
+  Drawing& operator=(const Drawing&) = delete;
+
+  [[nodiscard]] Shape shape() const { return {frame_.picture.size.height, frame_.picture.size.width}; }
+
+  [[nodiscard]] py::array srgb() const {
+    auto bytes = released(
+        [&] { return background_ ? to_srgb8(frame_.picture, *background_) : to_srgba8(frame_.picture); });
+    return array_of(std::move(bytes), py::dtype::of<std::uint8_t>(),
+                    {shape()[0], shape()[1], background_ ? 3 : 4});
+  }
+
+  [[nodiscard]] py::bytes png() const {
+    const auto bytes = released([&] { return value_or_fail(encode_png(frame_.picture, background_)); });
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  }
+
+  void save(const std::string& path) const {
+    released([&] { value_or_fail(write_picture(frame_.picture, path, background_)); });
+  }
+
+  [[nodiscard]] const Frame& frame() const { return frame_; }
+  /// A structure and its point in LPS mm.
+  [[nodiscard]] std::optional<std::pair<StructureIndex, Vec3>> pick(double x, double y) const {
+    const std::optional<Pick> pick = player_->pick(frame_, x, y);
+    return pick ? std::optional(std::pair(pick->structure, pick->point_lps_mm)) : std::nullopt;
+  }
+
+  std::string answer;  ///< of PageEngine::call()
+
+ private:
+  std::shared_ptr<Player> player_;
+  std::optional<Rgb> background_;  // none: transparent
+  Frame frame_;
+};
+
+/// An array of the values that `of` takes from the frame of a Drawing, without a copy; None if it has none.
+template <typename Of>
+py::object pixels(const py::object& drawing, py::ssize_t channels, const Of& of) {
+  const auto& self = drawing.cast<const Drawing&>();
+  const auto& values = of(self.frame());
+  if (values.empty()) return py::none();
+  Shape shape = self.shape();
+  if (channels > 1) shape.push_back(channels);
+  using T = typename std::decay_t<decltype(values)>::value_type;
+  py::array array(py::dtype::of<T>(), std::move(shape), values.data(), drawing);
+  array.attr("setflags")(py::arg("write") = false);
+  return array;
+}
+
+/// [structure]: one of these or a descendant.
+std::vector<bool> below(const StructureGraph& graph, const std::vector<StructureIndex>& structures) {
+  std::vector<bool> is_below(graph.size());
+  for (const StructureIndex s : graph.descendants(structures)) is_below[s] = true;
+  return is_below;
+}
+
+py::array labels(const Player& player, const std::vector<StructureIndex>& structures) {
+  const Atlas& atlas = player.atlas();
+  if (atlas.label_type() == VoxelType::kNone)
+    throw Failure{{ErrorCode::kFailed, atlas.name() + ": was built without a label map; use mask()", {}}};
+  VoxelBuffer map = released([&] {
+    const AtlasContent content = value_or_fail(atlas.read_classes());
+    return value_or_fail(label_map(content, atlas.name(), "use mask()", below(atlas.graph(), structures)));
+  });
+  return volume_of(std::move(map), atlas.source_grid());
+}
+
+py::array mask(const Player& player, const std::vector<StructureIndex>& structures) {
+  const Atlas& atlas = player.atlas();
+  VoxelBuffer map = released([&] {
+    const AtlasContent content = value_or_fail(atlas.read_classes());
+    const std::vector<bool> is_wanted = below(atlas.graph(), structures);
+    std::vector<std::byte> in_class(content.classes.size());
+    for (ClassId c = 0; c < content.classes.size(); ++c) {
+      for (const Membership& m : content.classes.members(c)) {
+        if (m.holds() && is_wanted[m.structure]) in_class[c] = std::byte{1};
+      }
+    }
+    VoxelBuffer stored{VoxelType::kUInt8, {}};
+    stored.bytes.reserve(content.class_volume.size());
+    for (const ClassId c : content.class_volume) stored.bytes.push_back(in_class[c]);
+    return to_source_order(stored, content);
+  });
+  return volume_of(std::move(map), atlas.source_grid()).attr("view")("bool");
+}
+
+py::array volume(const Player& player) {
+  const Atlas& atlas = player.atlas();
+  if (atlas.value_type() == VoxelType::kNone)
+    throw Failure{{ErrorCode::kFailed, atlas.name() + ": has no grey values; build it with a volume", {}}};
+  VoxelBuffer values = released([&] {
+    const AtlasContent content = value_or_fail(atlas.read_classes());
+    return to_source_order(value_or_fail(atlas.read_value_volume(content.class_volume)), content);
+  });
+  return volume_of(std::move(values), atlas.source_grid());
+}
+
+/// Vertices in RAS mm, triangles and normals of the structures and their descendants.
+py::tuple surface(const Player& player, const std::vector<StructureIndex>& structures) {
+  const Atlas& atlas = player.atlas();
+  std::vector<double> vertices;
+  std::vector<float> normals;
+  std::vector<std::uint32_t> triangles;
+  released([&] {
+    const Affine to_lps = index_to_lps_mm(atlas.grid());
+    for (const StructureIndex s : atlas.graph().descendants(structures)) {
+      const SurfaceMesh mesh = value_or_fail(atlas.read_surface(s));
+      const auto first = static_cast<std::uint32_t>(vertices.size() / 3);
+      for (const auto& [i, j, k] : mesh.positions_ijk) {
+        const auto [left, posterior, superior] = to_lps.apply({i, j, k});
+        vertices.insert(vertices.end(), {-left, -posterior, superior});
+      }
+      for (const auto& [left, posterior, superior] : mesh.normals_lps)
+        normals.insert(normals.end(), {-left, -posterior, superior});
+      for (const auto& corners : mesh.triangles)
+        for (const std::uint32_t corner : corners) triangles.push_back(first + corner);
+    }
+  });
+  const auto rows = [](const auto& values) { return Shape{static_cast<py::ssize_t>(values.size() / 3), 3}; };
+  const Shape vertex_rows = rows(vertices), triangle_rows = rows(triangles);
+  return py::make_tuple(array_of(std::move(vertices), py::dtype::of<double>(), vertex_rows),
+                        array_of(std::move(triangles), py::dtype::of<std::uint32_t>(), triangle_rows),
+                        array_of(std::move(normals), py::dtype::of<float>(), vertex_rows));
+}
+
+void define_player(py::module_& module) {
+  py::class_<Player, std::shared_ptr<Player>>(module, "Player")
+      .def(py::init([](const std::string& path, unsigned threads, std::uint64_t memory, double max_work) {
+        return released([&] {
+          return std::make_shared<Player>(path, RendererOptions{threads, memory},
+                                          AtlasOptions{max_work, memory});
+        });
+      }))
+      .def("call", [](Player& player, const std::string& request) { return player.call(request); })
+      .def("find",
+           [](const Player& player, const std::string& name) {
+             return value_or_fail(player.atlas().graph().find_named(name));
+           })
+      .def("labels", &labels)
+      .def("mask", &mask)
+      .def("volume", &volume)
+      .def("surface", &surface);
+}
+
+void define_drawing(py::module_& module) {
+  py::class_<Drawing>(module, "Drawing")
+      .def(py::init<std::shared_ptr<Player>, const std::string&, const std::optional<std::string>&>())
+      .def_readonly("answer", &Drawing::answer)
+      .def("srgb", &Drawing::srgb)
+      .def("png", &Drawing::png)
+      .def("save", &Drawing::save)
+      .def("pick", &Drawing::pick)
+      .def_property_readonly("linear",
+                             [](const py::object& self) {
+                               return pixels(
+                                   self, 4, [](const Frame& frame) -> auto& { return frame.picture.rgba; });
+                             })
+      .def_property_readonly("ids",
+                             [](const py::object& self) {
+                               return pixels(
+                                   self, 1, [](const Frame& frame) -> auto& { return frame.ids.numbers; });
+                             })
+      .def_property_readonly("depth", [](const py::object& self) {
+        return pixels(
+            self, 1, [](const Frame& frame) -> auto& { return frame.depths.mm; });
+      });
+}
+
+PYBIND11_MODULE(_engine, module) {
+  static py::object error_type = py::exception<Failure>(module, "Error");
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const Failure& failure) {
+      const py::object error = error_type(printable(failure.error.message));
+      error.attr("kind") = kind_of(failure.error.code);
+      error.attr("subject") = printable(failure.error.subject);
+      PyErr_SetObject(error_type.ptr(), error.ptr());
+    }
+  });
+  define_player(module);
+  define_drawing(module);
+  module.def("parse_cuts", [](const std::string& text) {
+    std::vector<std::pair<Vec3, double>> planes;
+    for (const CutPlane& plane : value_or_fail(parse_cuts(text)))
+      planes.emplace_back(plane.normal_lps, plane.offset_mm);
+    return planes;
+  });
+}
+
+}  // namespace
+}  // namespace splatlas

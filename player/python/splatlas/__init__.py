@@ -1,0 +1,269 @@
+"""Anatomy atlases in Python: pictures, label maps, grey values and surfaces as NumPy arrays.
+
+>>> import splatlas
+>>> atlas = splatlas.open("brain.atlas")
+>>> atlas.render("Brain(ghost) + Thalamus*:surface", view="left").save("thalamus.png")
+
+Points are in RAS mm and arrays have the order of axes of the source, as in nibabel. Errors of atlases and
+selections are `splatlas.Error`, with a kind and a subject; odd things are `splatlas.Warning`.
+"""
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import warnings
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from splatlas import _engine
+from splatlas._engine import Error
+from splatlas._programs import Page, Warning, build, page_of
+
+__all__ = ["Atlas", "Error", "Page", "Picture", "Renderer", "Structure", "Warning", "build", "open"]
+
+
+@dataclasses.dataclass(frozen=True)
+class Structure:
+    """A structure of an atlas; its counts include its descendants."""
+
+    index: int  #: position in `Atlas.structures`; `Picture.ids` holds index + 1
+    id: str
+    name: str
+    parents: tuple[str, ...]  #: ids
+    color: str  #: "#rrggbb"
+    label: int | None  #: value in the source label map
+    terms: tuple[tuple[str, str], ...]  #: vocabulary and value: synonyms, languages, codes
+    voxels: int
+    ml: float
+    triangles: int
+
+
+class Picture:
+    """A rendered picture. It shows itself in notebooks."""
+
+    def __init__(self, renderer: Renderer, request: dict, background: str | None):
+        self._renderer = renderer
+        self._drawing = _engine.Drawing(renderer._player(), json.dumps(request), background)
+        self._selection = renderer._selection = request["select"]
+        answer = json.loads(self._drawing.answer)
+        for line in answer["warnings"] + answer["missing"]:
+            warnings.warn(line, Warning, stacklevel=4)
+        #: camera: azimuth, elevation (degrees), zoom, center (RAS mm), projection, fieldOfView (degrees)
+        self.camera: dict[str, Any] = _flipped_center(answer["camera"])
+        self.ms: float = answer["ms"]  #: time of the engine
+
+    @property
+    def array(self) -> np.ndarray:
+        """(height, width, 3) uint8 sRGB, or (height, width, 4) with straight alpha if the background is None."""
+        return self._drawing.srgb()
+
+    @property
+    def linear(self) -> np.ndarray:
+        """(height, width, 4) float32: linear RGB, premultiplied by alpha, without background. Read only."""
+        return self._drawing.linear
+
+    @property
+    def ids(self) -> np.ndarray | None:
+        """(height, width) uint16: 1 + index of the structure of each pixel, 0 for none; needs ids=True."""
+        return self._drawing.ids
+
+    @property
+    def depth(self) -> np.ndarray | None:
+        """(height, width) float32: mm behind the plane of the centre, inf for none; needs depth=True."""
+        return self._drawing.depth
+
+    def pick(self, x: float, y: float) -> tuple[Structure, np.ndarray] | None:
+        """The structure at column x and row y, counted from the top left corner, and its point in RAS mm."""
+        if self._renderer._selection != self._selection:
+            raise ValueError("the renderer shows another selection by now; render the picture again to pick in it")
+        found = self._drawing.pick(x, y)
+        return found and (self._renderer.atlas.structures[found[0]], np.array(_flipped(found[1])))
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Writes .png, .jpg, .tif, .exr (float), .svg or .pdf: whole, or not at all."""
+        self._drawing.save(os.fspath(path))
+
+    def _repr_png_(self) -> bytes:
+        return self._drawing.png()
+
+
+class Renderer:
+    """Draws pictures of one atlas, and keeps what it has decoded. Threads may share it; it draws in turn."""
+
+    def __init__(self, atlas: Atlas, player: _engine.Player):
+        self.atlas, self._selection = atlas, None
+        self._open_player: Any = player  # None once the atlas is closed
+
+    def _player(self) -> _engine.Player:
+        self.atlas._opened()
+        return self._open_player
+
+    def render(self, select: str | None = None, *, scene: str | None = None, size: Sequence[int] = (800, 600),
+               view: str | None = None, azimuth: float | None = None, elevation: float | None = None,
+               zoom: float = 1, center: Sequence[float] | None = None, focus: str | None = None,
+               camera: Mapping[str, Any] | None = None, projection: str | None = None,
+               cuts: Mapping[str, float] | Iterable[str] | None = None, caps: str = "both",
+               quality: str = "normal", shading: bool = True, depth_cue: bool = False,
+               draft_budget_ms: float = 0, background: str | None = "#000000", ids: bool = False,
+               depth: bool = False) -> Picture:
+        """Renders a selection; by default everything.
+
+        select: selection, as of `splatlas-player render --select`. scene: the name of a scene, whose values
+            the others replace.
+        size: (width, height) in pixels.
+        view: anterior, posterior, left, right, superior or inferior; or azimuth and elevation in degrees.
+        zoom: relative to the fit of the selection, or of the structure `focus`. center: middle in RAS mm.
+        camera: the camera of another picture, in place of a fit; azimuth and elevation turn it.
+        cuts: {"left": 0}: removes what lies further left than 0 mm; or texts as of --cut. caps: values, labels,
+            both or none. quality: draft, normal or high.
+        background: "#rrggbb"; None: transparent.
+        """
+        player = self._player()
+        shown = self.atlas._scene(scene) if scene is not None else {}
+        placed = {key: shown[key] for key in ("azimuth", "elevation", "projection") if key in shown}
+        if view is not None:
+            placed |= self.atlas._view(view)
+        if camera is not None:
+            placed |= _flipped_center(dict(camera))
+        given = {"azimuth": azimuth, "elevation": elevation, "projection": projection}
+        placed |= {key: value for key, value in given.items() if value is not None}
+        if camera is None:
+            placed["fit"] = {"zoom": zoom * shown.get("zoom", 1), "center": shown.get("center"),
+                             "structure": -1 if focus is None else self.atlas._one(focus)}
+            if center is not None:
+                placed["fit"]["center"] = _flipped(center)
+        if cuts is None:
+            planes = shown.get("cuts", [])
+        else:
+            texts = [f"{side}={mm!r}" for side, mm in cuts.items()] if isinstance(cuts, Mapping) else cuts
+            planes = [{"normal": normal, "offset": offset} for normal, offset in _engine.parse_cuts(" ".join(texts))]
+        return Picture(self, {
+            "call": "draw", "select": shown.get("select", "*") if select is None else select,
+            "size": [int(side) for side in size], "camera": placed, "cuts": planes, "caps": caps,
+            "quality": quality, "shading": shading, "depthCue": depth_cue, "draftBudget": draft_budget_ms,
+            "ids": ids, "depths": depth}, background)
+
+
+class Atlas:
+    """An open atlas. Reading is lazy; threads may share it. `close()` or `with` ends it."""
+
+    def __init__(self, path: str | os.PathLike, threads: int = 0, memory: int = 0, max_work: float = 1):
+        self.path = os.fspath(path)
+        self._limits = (threads, memory, max_work)
+        self._player: _engine.Player | None = _engine.Player(self.path, *self._limits)
+        #: the document of `splatlas-player info --json`
+        self.info: dict[str, Any] = json.loads(self._player.call('{"call": "info"}'))
+        grid = self.info["grid"]
+        #: (4, 4) float64: voxel indices of the arrays to RAS mm, as nibabel's
+        self.affine = np.eye(4)
+        self.affine[:3, :3] = np.reshape(grid["direction_lps"], (3, 3)) * grid["spacing_mm"]
+        self.affine[:3, 3] = grid["origin_lps_mm"]
+        self.affine[:2] = 0 - self.affine[:2]  # without -0
+        self.shape: tuple[int, ...] = tuple(grid["size"])
+        mm3 = abs(np.linalg.det(np.reshape(grid["direction_lps"], (3, 3)))) * np.prod(grid["spacing_mm"])
+        self.structures: tuple[Structure, ...] = tuple(
+            Structure(index, one["id"], one["name"], tuple(one["parents"]), one["color"], one.get("label"),
+                      tuple((term["vocabulary"], term["value"]) for term in one.get("terms", [])),
+                      sum(one["voxels"].values()), float(sum(one["voxels"].values()) * mm3 / 1000), one["triangles"])
+            for index, one in enumerate(self.info["structures"]))
+        self.scenes: tuple[str, ...] = tuple(scene["name"] for scene in self.info["scenes"])
+        self._renderer = Renderer(self, self._player)
+        self.render = self._renderer.render
+
+    def __enter__(self) -> Atlas:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<splatlas.Atlas {self.path!r}: {len(self.structures)} structures, {self.shape} voxels>"
+
+    def close(self) -> None:
+        """Frees what is decoded, once no picture needs it."""
+        self._player = self._renderer._open_player = None
+
+    def renderer(self) -> Renderer:
+        """Another renderer, with a cache of its own."""
+        self._opened()
+        return Renderer(self, _engine.Player(self.path, *self._limits))
+
+    def find(self, name: str) -> list[Structure]:
+        """The structures of an id, name, path, synonym, pattern ("Vermis*") or label ("#17")."""
+        return [self.structures[index] for index in self._indices(name)]
+
+    def labels(self, names: str | Iterable[str] = "*") -> np.ndarray:
+        """The source label map: (i, j, k), of its type. Other structures than these and their parts are 0."""
+        return self._opened().labels(self._indices(names))
+
+    def mask(self, names: str | Iterable[str]) -> np.ndarray:
+        """(i, j, k) bool: where the structures or their parts are; they may overlap."""
+        return self._opened().mask(self._indices(names))
+
+    def volume(self) -> np.ndarray:
+        """The grey values: (i, j, k), of the type of the source."""
+        return self._opened().volume()
+
+    def surface(self, names: str | Iterable[str]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Vertices (n, 3) in RAS mm, triangles (m, 3), counter-clockwise from outside, and normals (n, 3)."""
+        return self._opened().surface(self._indices(names))
+
+    def volumes(self) -> list[dict[str, Any]]:
+        """A row for each structure: id, name, label, voxels, ml; for pandas.DataFrame()."""
+        return [{key: getattr(one, key) for key in ("id", "name", "label", "voxels", "ml")}
+                for one in self.structures]
+
+    def show(self, select: str | None = None, scene: str | None = None, height: int = 600) -> Page:
+        """The player's page, for a cell of a notebook: the exported file, which needs no server."""
+        self._opened()
+        return page_of(self.path, select, scene, height)
+
+    def _opened(self) -> _engine.Player:
+        if self._player is None:
+            raise ValueError(f"{self.path}: the atlas is closed")
+        return self._player
+
+    def _indices(self, names: str | Iterable[str]) -> list[int]:
+        player = self._opened()
+        found = [index for name in ([names] if isinstance(names, str) else names) for index in player.find(name)]
+        return list(dict.fromkeys(found))
+
+    def _one(self, name: str) -> int:
+        found = self._indices(name)
+        if len(found) != 1:
+            raise ValueError(f"{name}: names {len(found)} structures; focus takes one")
+        return found[0]
+
+    def _scene(self, name: str) -> dict[str, Any]:
+        for scene in self.info["scenes"]:
+            if scene["name"].casefold() == name.casefold():
+                return scene
+        raise ValueError(f"{self.path}: has no scene {name!r}; it has {', '.join(map(repr, self.scenes)) or 'none'}")
+
+    def _view(self, name: str) -> dict[str, float]:
+        for view in self.info["views"]:
+            if view["name"] == name:
+                return {"azimuth": view["azimuth"], "elevation": view["elevation"]}
+        raise ValueError(f"{name}: is no view; choose {', '.join(view['name'] for view in self.info['views'])}")
+
+
+def open(path: str | os.PathLike, *, threads: int = 0, memory: int = 0, max_work: float = 1) -> Atlas:
+    """Opens an atlas file.
+
+    threads: of each renderer, 0: one per core. memory: bytes that decoded parts and pictures may take, 0: half
+    of the machine's. max_work: limit of work in multiples of the usual one; below 1 for untrusted files.
+    """
+    return Atlas(path, threads, memory, max_work)
+
+
+def _flipped(point: Sequence[float]) -> list[float]:
+    """RAS to LPS mm, and back."""
+    x, y, z = (float(mm) for mm in point)
+    return [-x, -y, z]
+
+
+def _flipped_center(camera: dict[str, Any]) -> dict[str, Any]:
+    return camera | {"center": _flipped(camera["center"])} if camera.get("center") else camera

@@ -1,0 +1,176 @@
+"""Runs of splatlas-preprocess and splatlas-player: atlases from arrays, and pages."""
+from __future__ import annotations
+
+import builtins
+import csv
+import dataclasses
+import html
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import warnings
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from splatlas._engine import Error
+
+
+class Warning(UserWarning):
+    """What is odd in the sources of an atlas, a selection or a picture."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Page:
+    """A page that plays an atlas."""
+
+    html: str
+    height: int
+
+    def _repr_html_(self) -> str:
+        return (f'<iframe srcdoc="{html.escape(self.html)}" width="100%" height="{self.height}" '
+                'sandbox="allow-scripts allow-downloads" style="border: 0"></iframe>')
+
+
+def build(output: str | os.PathLike, *, labels: Any = None, volume: Any = None, affine: Any = None,
+          names: Any = None, tree: Any = None, meshes: Mapping[str, Any] | None = None,
+          options: Sequence[str] = ()) -> None:
+    """Builds an atlas with splatlas-preprocess. Its notes become warnings.
+
+    labels, volume: a path, an image of nibabel, or an array (i, j, k) with `affine`: (4, 4), voxel indices to
+        RAS mm. labels also {group: one of these}.
+    names: a path, {label: name}, a pandas.DataFrame, or rows: mappings with label, name, color ("#rrggbb") and
+        other columns of CSV tables.
+    tree: a path, or lines such as "Brain/Left/Precentral_L".
+    meshes: {name: (vertices in RAS mm, triangles)}.
+    options: more options of `splatlas-preprocess build`.
+    """
+    with tempfile.TemporaryDirectory(prefix="splatlas-") as folder:
+        files = pathlib.Path(folder)
+        words = ["build", "-o", os.fspath(output), "--progress", "none"]
+        for group, image in labels.items() if isinstance(labels, Mapping) else [("", labels)]:
+            if image is not None:
+                path = _image_file(image, affine, files / f"labels{len(words)}.nrrd", "labels")
+                words += ["--labels", f"{group}={path}" if group else path]
+        if volume is not None:
+            words += ["--volume", _image_file(volume, affine, files / "volume.nrrd", "volume")]
+        if names is not None:
+            words += ["--names", _names_file(names, files / "names.csv")]
+        if tree is not None:
+            words += ["--tree", _tree_file(tree, files / "names.tree")]
+        for number, (name, (vertices, triangles)) in enumerate((meshes or {}).items()):
+            path = _mesh_file(vertices, triangles, files / f"{number}.obj")
+            words += ["--mesh", f"{name}={path},frame=ras"]
+        _run("splatlas-preprocess", [*words, *options])
+
+
+def page_of(path: str, select: str | None, scene: str | None, height: int) -> Page:
+    with tempfile.TemporaryDirectory(prefix="splatlas-") as folder:
+        page = pathlib.Path(folder, "page.html")
+        words = ["export", path, "--html", os.fspath(page)]
+        for option, value in (("--select", select), ("--scene", scene)):
+            words += [option, value] if value is not None else []
+        _run("splatlas-player", words)
+        return Page(page.read_text(encoding="utf-8"), height)
+
+
+def _run(program: str, words: list[str]) -> None:
+    beside = pathlib.Path(__file__).parents[2] / "bin" / program  # in a build
+    found = os.fspath(beside) if beside.exists() else shutil.which(program)
+    if found is None:
+        raise Error(f"{program} is not installed, or not in PATH")
+    done = subprocess.run([found, *words], capture_output=True, text=True, errors="replace")
+    *notes, last = done.stderr.splitlines() or [""]
+    if done.returncode == 0:
+        notes, last = [*notes, last], ""
+    for line in notes:
+        kind, _, text = line.partition(": ")
+        if kind in ("note", "warning"):
+            warnings.warn(text, Warning, stacklevel=4)
+    if done.returncode != 0:
+        error = Error(last.removeprefix(f"{program}: ") or f"{program}: ended with {done.returncode}")
+        kinds = {2: "usage", 3: "invalid atlas", 4: "not found"}
+        error.kind, error.subject = kinds.get(done.returncode, "failed"), ""
+        raise error
+
+
+def _image_file(image: Any, affine: Any, path: pathlib.Path, what: str) -> str:
+    if isinstance(image, (str, os.PathLike)):
+        return os.fspath(image)
+    if hasattr(image, "dataobj"):  # nibabel
+        image, affine = np.asanyarray(image.dataobj), image.affine
+    array = np.asarray(image)
+    if array.ndim != 3 or 0 in array.shape:
+        raise ValueError(f"{what}: an array of shape {array.shape}; it must have three axes, none of them empty")
+    if affine is None:
+        raise ValueError(f"{what}: an array needs affine=, the map from voxel indices to RAS mm")
+    affine = np.asarray(affine, dtype=float)
+    if affine.shape != (4, 4) or not np.isfinite(affine).all():
+        raise ValueError("affine: must be 4 x 4 finite numbers")
+    array = _storable(array, what)
+    vector = "({!r},{!r},{!r})".format
+    columns = [vector(*map(float, affine[:3, axis])) for axis in range(4)]
+    header = ("NRRD0005", f"type: {array.dtype.name.replace('float32', 'float').replace('float64', 'double')}",
+              "dimension: 3", "space: right-anterior-superior", "sizes: {} {} {}".format(*array.shape),
+              f"space directions: {' '.join(columns[:3])}", f"space origin: {columns[3]}", "endian: little",
+              "encoding: raw", "", "")
+    with builtins.open(path, "wb") as file:
+        file.write("\n".join(header).encode())
+        file.write(array.astype(array.dtype.newbyteorder("<"), copy=False).tobytes(order="F"))
+    return os.fspath(path)
+
+
+def _storable(array: np.ndarray, what: str) -> np.ndarray:
+    """The array with a type that atlases have, and the same values."""
+    if array.dtype.kind not in "buif":
+        raise ValueError(f"{what}: an array of {array.dtype}; it must hold integers, floats or booleans")
+    wider = {"bool": "uint8", "float16": "float32", "float128": "float64"}.get(array.dtype.name, array.dtype.name)
+    if wider in ("int64", "uint64"):
+        fitting = [name for name in ("int32", "uint32") if np.can_cast(np.min_scalar_type(array.min()), name)
+                   and np.can_cast(np.min_scalar_type(array.max()), name)]
+        if not fitting:
+            raise ValueError(f"{what}: holds {array.min()} to {array.max()}; an atlas has integers of 32 bits")
+        wider = fitting[0]
+    return array.astype(wider)
+
+
+def _names_file(names: Any, path: pathlib.Path) -> str:
+    if isinstance(names, (str, os.PathLike)):
+        return os.fspath(names)
+    if hasattr(names, "to_dict"):  # pandas
+        names = names.to_dict("records")
+    if isinstance(names, Mapping):
+        names = [{"label": label, "name": name} for label, name in names.items()]
+    rows = [dict(row) for row in names]
+    if not rows:
+        raise ValueError("names: are empty")
+    columns = list(dict.fromkeys(key for row in rows for key in row))
+    with builtins.open(path, "w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, columns)
+        writer.writeheader()
+        writer.writerows(rows)
+    return os.fspath(path)
+
+
+def _tree_file(tree: Any, path: pathlib.Path) -> str:
+    if isinstance(tree, os.PathLike) or (isinstance(tree, str) and "\n" not in tree):
+        return os.fspath(tree)
+    lines: Iterable[str] = tree.splitlines() if isinstance(tree, str) else tree
+    path.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
+    return os.fspath(path)
+
+
+def _mesh_file(vertices: Any, triangles: Any, path: pathlib.Path) -> str:
+    vertices, triangles = np.asarray(vertices, dtype=float), np.asarray(triangles)
+    for what, array in (("vertices", vertices), ("triangles", triangles)):
+        if array.ndim != 2 or array.shape[1] != 3:
+            raise ValueError(f"{what}: of shape {array.shape}; must be (n, 3)")
+    if triangles.dtype.kind not in "iu" or not ((0 <= triangles) & (triangles < len(vertices))).all():
+        raise ValueError(f"triangles: must be integers from 0 to {len(vertices) - 1}")
+    with builtins.open(path, "w", encoding="ascii") as file:
+        np.savetxt(file, vertices, fmt="v %.17g %.17g %.17g")
+        np.savetxt(file, triangles.astype(np.int64) + 1, fmt="f %d %d %d")
+    return os.fspath(path)
