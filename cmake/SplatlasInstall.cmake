@@ -6,26 +6,19 @@
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/splatlas)
 
-foreach(program splatlas-preprocess splatlas-player)
-  if(TARGET ${program})
-    install(TARGETS ${program} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-  endif()
-endforeach()
+# With the modules that are loaded at run time.
+install(TARGETS splatlas-player splatlas_pictures splatlas_text COMPONENT player
+  RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} LIBRARY DESTINATION ${SPLATLAS_MODULE_DIR})
+if(SPLATLAS_BUILD_PREPROCESS)
+  install(TARGETS splatlas-preprocess RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT preprocess)
+  install(DIRECTORY preprocess/trees DESTINATION ${CMAKE_INSTALL_DATADIR}/splatlas COMPONENT preprocess)
+endif()
 
-foreach(module splatlas_pictures splatlas_text)  # loaded at run time
-  if(TARGET ${module})
-    install(TARGETS ${module} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-  endif()
-endforeach()
-
-foreach(library splatlas_format splatlas_player splatlas_pages)
-  if(TARGET ${library})
-    install(TARGETS ${library} EXPORT splatlasTargets
-      ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
-      INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
-      FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/splatlas)
-  endif()
-endforeach()
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME dev)
+install(TARGETS splatlas_format splatlas_player splatlas_pages EXPORT splatlasTargets
+  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+  INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+  FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/splatlas)
 install(EXPORT splatlasTargets NAMESPACE splatlas:: DESTINATION ${package_dir})
 
 get_property(dependencies GLOBAL PROPERTY SPLATLAS_DEPENDENCIES)
@@ -45,9 +38,9 @@ cmake_path(RELATIVE_PATH CMAKE_INSTALL_PREFIX BASE_DIRECTORY ${CMAKE_INSTALL_FUL
 configure_file(${PROJECT_SOURCE_DIR}/cmake/splatlas.pc.in ${PROJECT_BINARY_DIR}/splatlas.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/splatlas.pc DESTINATION ${pkgconfig_dir})
 
-if(SPLATLAS_BUILD_PREPROCESS)
-  install(DIRECTORY preprocess/trees DESTINATION ${CMAKE_INSTALL_DATADIR}/splatlas)
-endif()
+install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME player)
 install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
+include(SplatlasPackages)

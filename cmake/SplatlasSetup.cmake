@@ -14,7 +14,8 @@ endif()
 
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
 set(CMAKE_LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib)
-set(CMAKE_INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
+set(SPLATLAS_MODULE_DIR ${CMAKE_INSTALL_LIBDIR}/splatlas)  # of what programs load at run time
+set(CMAKE_INSTALL_RPATH "$ORIGIN/../${SPLATLAS_MODULE_DIR}")
 
 # With relative paths and precompiled headers, all presets and clones share equal objects.
 find_program(SPLATLAS_CCACHE ccache)

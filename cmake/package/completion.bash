@@ -1,0 +1,15 @@
+# Completion of splatlas-player and splatlas-preprocess: their own help lists commands and options.
+_splatlas() {
+  local cur prev words cword command=()
+  _init_completion -n = || return
+  if ((cword > 1)) && [[ ${words[1]} != -* ]] && "$1" "${words[1]}" --help &>/dev/null; then command=("${words[1]}"); fi
+  if [[ $cur == -* ]]; then
+    mapfile -t COMPREPLY < <(compgen -W "$("$1" "${command[@]}" --help | grep -oE '^ +(-[a-z],)?--[a-z-]+' | grep -oE -- '--[a-z-]+')" -- "$cur")
+    return
+  fi
+  _filedir
+  if ((cword == 1)); then
+    mapfile -t -O ${#COMPREPLY[@]} COMPREPLY < <(compgen -W "$("$1" --help | sed -n '/^Subcommands:/,$s/^  \([a-z]*\) .*/\1/p')" -- "$cur")
+  fi
+}
+complete -F _splatlas splatlas-player splatlas-preprocess
