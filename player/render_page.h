@@ -23,9 +23,10 @@ struct PageOptions {
   std::optional<Rgb> background = Rgb{0, 0, 0};  ///< none: transparent
   /// At the bottom of a vertical gradient from `background`; none: the same.
   std::optional<Rgb> background_bottom = std::nullopt;
-  bool outlines = false;                              ///< dark lines around structures
-  AnnotationItems items = {};                         ///< none: a plain picture
-  std::size_t max_labels = 40;                        ///< labels of the largest structures
+  bool outlines = false;       ///< dark lines around structures
+  AnnotationItems items = {};  ///< none: a plain picture
+  /// Labels of the largest structures. Not set: 40, and a note counts the others.
+  std::optional<std::size_t> max_labels = std::nullopt;
   std::vector<bool> labelled = {};                    ///< [structure]: may get a label; empty: all may
   std::optional<std::string> caption = std::nullopt;  ///< not set: the title of the atlas
   /// Pixels per inch in print. Not set: the short side has 160 mm, but labels have at least 11 pixels.

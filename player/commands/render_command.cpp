@@ -171,7 +171,7 @@ void add_annotations(CLI::App& command, PageOptions& options) {
   const auto labels = [](std::string_view text) { return number_within<std::size_t>(text, 0, 1000); };
   needs_it(add_parsed(command, "--max-labels", options.max_labels, labels, "must be a number from 0 to 1000",
                       "names the largest structures only")
-               ->default_str(fmt::to_string(options.max_labels)));
+               ->default_str("40"));
   needs_it(add_parsed(command, "--font", options.font, non_empty<std::filesystem::path>, "must name a file",
                       "font file of the annotations; others stand in for letters that it lacks"));
   const auto dpi = [](std::string_view text) { return number_within<double>(text, kMinDpi, kMaxDpi); };

@@ -33,8 +33,9 @@ bool fits(const PageLayout& layout) {
 
 /// All items. `unlabelled` is the number that the note reports.
 PageLayout lay_out(const AnnotatedScene& scene, const AnnotationOptions& options, const MeasureText& measure,
-                   const FreeSpace& free_space, std::size_t unlabelled) {
+                   const FreeSpace& free_space, const std::vector<bool>& is_listed, std::size_t unlabelled) {
   PageLayout layout(scene, options, measure, free_space);
+  layout.is_listed = is_listed;
   layout.place_blocks(unlabelled);
   if (options.items.orientation) layout.place_orientation();
   if (options.items.scale_bar) layout.place_scale_bar();
@@ -62,6 +63,7 @@ std::vector<const NamedStructure*> PageLayout::labelled_structures() const {
   const double em = kLabelPoints * pt;
   std::erase_if(chosen,
                 [&](const NamedStructure* one) { return !one->labelled || one->visible.pixels < em * em; });
+  chosen.resize(std::min(chosen.size(), options.max_labels.value_or(kMaxLabels)));
   return chosen;
 }
 
@@ -83,7 +85,6 @@ void PageLayout::place_structure_labels() {
     const PagePoint anchor = one->visible.anchor;
     return !contains(figure, {anchor.x, anchor.y, anchor.x, anchor.y});
   });
-  chosen.resize(std::min(chosen.size(), options.max_labels));
 
   // Break long names
   const double em = kLabelPoints * pt, leading = kLabelSpacing * em;
@@ -93,10 +94,8 @@ void PageLayout::place_structure_labels() {
   const double page_width = scene.picture.size.width;
   const double max_width = std::clamp(side, kMinLabelWidth * page_width, kMaxLabelWidth * page_width);
   std::vector<Label> labels;
-  for (const NamedStructure* one : chosen) {
-    Label label = label_of(*one, max_width);
-    if (!label.lines.empty()) labels.push_back(std::move(label));
-  }
+  std::erase_if(chosen, [&](const NamedStructure* one) { return label_of(*one, max_width).lines.empty(); });
+  for (const NamedStructure* one : chosen) labels.push_back(label_of(*one, max_width));
 
   // Place them and add their texts and leaders,
   // with generous gaps between rows if these lose no label.
@@ -109,6 +108,7 @@ void PageLayout::place_structure_labels() {
   if (auto wider = place(kWideRows); wider.size() >= placed.size()) placed = std::move(wider);
   for (const PlacedLabel& one : placed) {
     const Label& label = labels[one.label];
+    is_labelled[static_cast<std::size_t>(chosen[one.label] - scene.structures.data())] = true;
     double baseline = one.box.top + kAscent * em;
     for (const std::string& words : label.lines) {
       PlacedText text_line = text(words, one.box.left, baseline, kLabelPoints);
@@ -122,8 +122,9 @@ void PageLayout::place_structure_labels() {
     layer.dots.push_back({label.anchor, kDotPoints * pt, kDotCasingPoints * pt, inks.ink, inks.paper});
   }
   layer.labels = placed.size();
-  const auto wanted = std::ranges::count(scene.structures, true, &NamedStructure::labelled);
-  layer.unlabelled = static_cast<std::size_t>(wanted) - placed.size();
+  const auto named =
+      static_cast<std::size_t>(std::ranges::count(scene.structures, true, &NamedStructure::labelled));
+  layer.unlabelled = options.max_labels ? 0 : named - placed.size();
 }
 
 void PageLayout::reserve_room() {
@@ -132,8 +133,7 @@ void PageLayout::reserve_room() {
   // A draft misses tiny structures: leave a row of the legend for them
   if (options.items.legend) figure.bottom -= kLegendRow * kLegendPoints * pt;
   if (!options.items.labels) return;
-  std::vector<const NamedStructure*> chosen = labelled_structures();
-  chosen.resize(std::min(chosen.size(), options.max_labels));
+  const std::vector<const NamedStructure*> chosen = labelled_structures();
   const double gap = kLabelGapPoints * pt, page_width = scene.picture.size.width;
   const double column =
       std::max(0.5 * (figure.width() - kFigureWidth * page_width) - gap, kMinLabelWidth * page_width);
@@ -148,8 +148,12 @@ PictureRegion region_of_figure(const AnnotatedScene& scene, const AnnotationOpti
   if (!options.items.any()) return {};
   const FreeSpace empty(scene.picture.size);
   PageLayout layout(scene, options, measure, empty);
+  if (options.items.labels && options.items.legend) {
+    for (const NamedStructure* one : layout.labelled_structures())
+      layout.is_listed[static_cast<std::size_t>(one - scene.structures.data())] = false;
+  }
   // Reserve the line that tells the number of structures without a label: there are nearly always some
-  layout.place_blocks(options.items.labels ? 99 : 0);
+  layout.place_blocks(options.items.labels && !options.items.legend && !options.max_labels ? 99 : 0);
   if (options.items.orientation) layout.place_orientation();
   layout.reserve_room();
 
@@ -168,13 +172,27 @@ Result<AnnotationLayer> annotate_picture(const AnnotatedScene& scene, const Anno
                                          const MeasureText& measure) {
   if (!options.items.any()) return AnnotationLayer{};
   const FreeSpace free_space(scene.picture);
-  std::optional<PageLayout> layout(lay_out(scene, options, measure, free_space, 0));
-  // The note takes room from the labels, which may raise the number that it tells.
+  // Beside labels, the legend lists what has none; without a legend, a note tells their number. Both take
+  // room from the labels, so that more may lack one.
+  const bool completes = options.items.labels && options.items.legend;
+  std::vector<bool> is_listed(scene.structures.size(), !completes);
+  std::optional<PageLayout> layout(lay_out(scene, options, measure, free_space, is_listed, 0));
   constexpr int kMaxPasses = 4;
   std::size_t told = 0;
-  for (int pass = 0; pass < kMaxPasses && layout->layer.unlabelled > told; ++pass) {
-    told = layout->layer.unlabelled;
-    layout.emplace(lay_out(scene, options, measure, free_space, told));
+  for (int pass = 0; pass < kMaxPasses; ++pass) {
+    const std::size_t unlabelled = completes ? 0 : layout->layer.unlabelled;
+    const std::vector<bool> before = is_listed;
+    for (std::size_t s = 0; s < is_listed.size(); ++s) is_listed[s] = is_listed[s] || !layout->is_labelled[s];
+    if (is_listed == before && unlabelled <= told) break;
+    told = unlabelled;
+    layout.emplace(lay_out(scene, options, measure, free_space, is_listed, told));
+  }
+  // A later pass may have labelled what an earlier one listed
+  const auto others = [](std::vector<bool> labelled) { return labelled.flip(), labelled; };
+  const std::vector<bool> rest = others(layout->is_labelled);
+  if (completes && rest != is_listed) {
+    PageLayout shorter = lay_out(scene, options, measure, free_space, rest, told);
+    if (others(shorter.is_labelled) == rest) layout.emplace(std::move(shorter));
   }
   if (!fits(*layout)) {
     const PictureSize& size = scene.picture.size;

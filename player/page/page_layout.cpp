@@ -18,6 +18,7 @@ constexpr double kDefaultShortSideInch = 160 / 25.4;
 constexpr double kMargin = 0.035;     // of the short side
 constexpr double kMaxScaleBar = 0.2;  // of the width
 constexpr double kMaxLegend = 0.3;    // of the height
+constexpr double kMaxColumn = 0.4;    // of the width, for few long names
 constexpr Rgb kBlack{26, 26, 26}, kWhite{242, 242, 242}, kDarkGrey{95, 95, 95}, kLightGrey{165, 165, 165};
 
 float luminance(Rgb color) {
@@ -90,7 +91,9 @@ PageLayout::PageLayout(const AnnotatedScene& scene_, const AnnotationOptions& op
       options(options_),
       measure(measure_),
       free_space(free_space_),
-      pt(annotation_dpi(options_, scene_.picture.size) / 72) {
+      pt(annotation_dpi(options_, scene_.picture.size) / 72),
+      is_listed(scene_.structures.size(), true),
+      is_labelled(scene_.structures.size(), false) {
   const double width = scene.picture.size.width, height = scene.picture.size.height;
   const double margin = kMargin * std::min(width, height);
   page = figure = {margin, margin, width - margin, height - margin};
@@ -145,24 +148,28 @@ void PageLayout::place_paragraph(std::string_view words, double points, FontStyl
 }
 
 void PageLayout::place_legend() {
-  if (scene.structures.empty()) return;
+  std::vector<const NamedStructure*> listed;
+  for (std::size_t s = 0; s < scene.structures.size(); ++s)
+    if (is_listed[s]) listed.push_back(&scene.structures[s]);
+  if (listed.empty()) return;
   const double em = kLegendPoints * pt, swatch = 1.5 * em, gap = 0.5 * em, row = kLegendRow * em;
   const auto width = [&](std::string_view name) { return width_of(name, kLegendPoints); };
 
-  // Divide the page into columns as wide as the longest name
-  double longest = 0;
-  for (const NamedStructure& one : scene.structures) longest = std::max(longest, width(one.name));
+  // Divide the page into columns as wide as the longest name, but for one of ten
+  std::vector<double> widths;
+  for (const NamedStructure* one : listed) widths.push_back(width(one->name));
+  std::ranges::sort(widths);
+  const double longest =
+      std::min(widths.back(), std::max(widths[(widths.size() - 1) * 9 / 10], kMaxColumn * page.width()));
   const double cell = std::min(swatch + gap + 1.001 * longest + 2 * em, page.width() + 2 * em);
   const auto columns = std::max<std::size_t>(1, static_cast<std::size_t>((page.width() + 2 * em) / cell));
   const auto max_rows = static_cast<std::size_t>(std::max(1.0, kMaxLegend * scene.picture.size.height / row));
-  const std::size_t all = scene.structures.size();
+  const std::size_t all = listed.size();
   const std::size_t shown = all <= columns * max_rows ? all : columns * max_rows - 1;
   const std::size_t cells = shown + (shown < all ? 1 : 0);
   const std::size_t rows = (cells + columns - 1) / columns;
 
   // Fill them from top to bottom with what shows most
-  std::vector<const NamedStructure*> listed;
-  for (const NamedStructure& one : scene.structures) listed.push_back(&one);
   std::ranges::stable_sort(listed, std::greater(),
                            [](const NamedStructure* one) { return one->visible.pixels; });
   const double pitch = (page.width() + 2 * em) / static_cast<double>(columns);

@@ -54,11 +54,14 @@ struct AnnotatedScene {
 /// Content of the annotations.
 struct AnnotationOptions {
   AnnotationItems items = {};
-  std::size_t max_labels = 40;  ///< labels of the largest structures
+  std::optional<std::size_t> max_labels =
+      std::nullopt;  ///< not set: kMaxLabels, and a note counts the others
   std::string caption = {}, citation = {};
   /// Pixels per inch in print. Not set: the short side has 160 mm, but labels at least 11 pixels.
   std::optional<double> dpi = std::nullopt;
 };
+
+inline constexpr std::size_t kMaxLabels = 40;  ///< labels of the largest structures
 
 /// Sizes of texts in points, and of lines.
 inline constexpr double kLabelPoints = 8.5, kLegendPoints = 8, kCaptionPoints = 9.5, kCitationPoints = 7,
@@ -89,6 +92,8 @@ struct PageLayout {
   PageBox figure;  ///< the part of the page above the blocks of text
   AnnotationLayer layer;
   std::vector<PageBox> obstacles;
+  std::vector<bool> is_listed;    ///< [structure]: in the legend, if it has room
+  std::vector<bool> is_labelled;  ///< [structure]: by place_structure_labels()
 
   /// The background at a height of the page, and the colours of text on it.
   struct Inks {
@@ -108,14 +113,14 @@ struct PageLayout {
   void place_blocks(std::size_t unlabelled);
   void place_orientation();
   void place_scale_bar();
-  /// Places the labels of at most `options.max_labels` structures.
+  /// Places the labels of the largest structures.
   void place_structure_labels();
   /// Takes room for the letters above and below the figure, and for the columns of labels beside it.
   void reserve_room();
+  /// Structures to label, at most those of the options: the largest ones first.
+  [[nodiscard]] std::vector<const NamedStructure*> labelled_structures() const;
 
  private:
-  /// Structures to label: the largest ones first.
-  [[nodiscard]] std::vector<const NamedStructure*> labelled_structures() const;
   /// A label with lines of at most `max_width` pixels, unless a word is longer.
   [[nodiscard]] Label label_of(const NamedStructure& structure, double max_width) const;
   void place_paragraph(std::string_view words, double points, FontStyle style, Rgb Inks::*ink);

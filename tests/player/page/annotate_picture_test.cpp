@@ -186,15 +186,28 @@ TEST(AnnotatePicture, PlacesLabelsBesideTheirStructures) {
   EXPECT_EQ(layer.unlabelled, 0u);
 }
 
-TEST(AnnotatePicture, CountsWhatIsNotLabelled) {
+TEST(AnnotatePicture, CountsWhatIsNotLabelledUnlessALimitIsGiven) {
+  DiscScene discs({600, 400});
+  for (StructureIndex n = 0; n < 45; ++n) discs.add(n, 100 + 40.0 * (n % 11), 50 + 60.0 * (n / 11), 12);
+  const AnnotationLayer layer = annotated(discs.annotated(), {.items = {.labels = true}});
+  EXPECT_GE(layer.unlabelled, 5u);
+  EXPECT_TRUE(find_text(layer, std::to_string(layer.unlabelled) + " more structures are not labelled."));
+  const AnnotationLayer two = annotated(discs.annotated(), {.items = {.labels = true}, .max_labels = 2});
+  EXPECT_EQ(two.labels, 2u);
+  EXPECT_TRUE(
+      std::ranges::none_of(two.texts, [](const PlacedText& one) { return one.style == FontStyle::kItalic; }));
+}
+
+TEST(AnnotatePicture, ListsWhatHasNoLabel) {
   DiscScene discs({600, 400});
   for (StructureIndex n = 0; n < 5; ++n) discs.add(n, 220 + 40 * n, 200, 10 + n);
-  const AnnotationLayer layer = annotated(discs.annotated(), {.items = {.labels = true}, .max_labels = 2});
+  const AnnotationLayer layer =
+      annotated(discs.annotated(), {.items = {.labels = true, .legend = true}, .max_labels = 2});
   EXPECT_EQ(layer.labels, 2u);
-  EXPECT_TRUE(find_text(layer, "Structure number 4"));
-  EXPECT_TRUE(find_text(layer, "3 more structures are not labelled."));
-  const AnnotationLayer four = annotated(discs.annotated(), {.items = {.labels = true}, .max_labels = 4});
-  EXPECT_TRUE(find_text(four, "1 more structure is not labelled."));
+  EXPECT_EQ(layer.legend_entries, 3u);
+  for (int n = 0; n < 5; ++n)
+    EXPECT_TRUE(find_text(layer, "Structure number " + std::to_string(n))) << n;  // each once
+  EXPECT_EQ(layer.texts.size(), 5u);
 }
 
 TEST(AnnotatePicture, DrawsAScaleBarOfExactLength) {
