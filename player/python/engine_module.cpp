@@ -1,12 +1,16 @@
 // splatlas._engine: atlases as arrays, and pictures of a PageEngine, for the package in splatlas/.
-// Calls of one Player are serialised. They release the interpreter, and Ctrl+C cancels pictures.
+// Calls of one Player take turns. They release the interpreter, and Ctrl+C ends the drawing of pictures.
+#include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -19,6 +23,7 @@
 #include "format/derive/label_map.h"
 #include "format/tasks/task_control.h"
 #include "player/web/page_engine.h"
+#include "player/web/render_warnings.h"
 #include "player/write_picture.h"
 #include "player/write_png.h"
 
@@ -41,15 +46,8 @@ T value_or_fail(Result<T> result) {
 }
 
 const char* kind_of(ErrorCode code) {
-  switch (code) {
-    case ErrorCode::kUsage: return "usage";
-    case ErrorCode::kInvalidAtlas: return "invalid atlas";
-    case ErrorCode::kNotFound: return "not found";
-    case ErrorCode::kLimit: return "limit";
-    case ErrorCode::kCancelled: return "cancelled";
-    case ErrorCode::kFailed: break;
-  }
-  return "failed";
+  constexpr std::array kKinds{"failed", "usage", "invalid atlas", "not found", "limit", "cancelled"};
+  return kKinds[static_cast<std::size_t>(code)];
 }
 
 /// Without the interpreter.
@@ -83,6 +81,7 @@ class Interrupt {
  public:
   RenderControl control() {
     return {source_.get_token(), [this](double) {
+              if (is_requested()) return;  // an exception is pending
               const auto now = std::chrono::steady_clock::now();
               if (now - asked_ < std::chrono::milliseconds(50)) return;
               asked_ = now;
@@ -100,33 +99,43 @@ class Interrupt {
 /// An atlas and its renderer.
 class Player {
  public:
-  Player(const std::string& path, const RendererOptions& renderer, const AtlasOptions& options)
-      : atlas_(value_or_fail(Atlas::open(path, options))), engine_(renderer) {
+  Player(std::shared_ptr<const Atlas> atlas, const RendererOptions& renderer)
+      : atlas_(std::move(atlas)), options_(renderer), engine_(renderer) {
     engine_.open(atlas_);
   }
 
+  /// Another renderer of the same open file.
+  [[nodiscard]] std::shared_ptr<Player> another() const { return std::make_shared<Player>(atlas_, options_); }
   [[nodiscard]] const Atlas& atlas() const { return *atlas_; }
 
-  /// An answer of PageEngine::call(). With "draw", its picture is moved to `drawn`.
-  std::string call(const std::string& request, Frame* drawn = nullptr) {
+  std::string call(const std::string& request) {
+    const Turn turn(*this);
     Interrupt interrupt;
-    PageAnswer answer = released([&] {
-      const std::lock_guard lock(mutex_);
-      PageAnswer made = engine_.call(request, {}, interrupt.control());
-      if (drawn != nullptr && made.status == 0) *drawn = engine_.take_frame(take_spare());
-      return made;
-    });
-    if (interrupt.is_requested()) throw py::error_already_set();
-    if (answer.status != 0)
-      throw Failure{{static_cast<ErrorCode>(answer.status - 1), answer.text, answer.subject}};
-    return std::move(answer.text);
+    return text_of(released([&] { return engine_.call(request, {}, interrupt.control()); }), interrupt);
   }
 
-  [[nodiscard]] std::optional<Pick> pick(const Frame& frame, double x, double y) {
-    return released([&] {
-      const std::lock_guard lock(mutex_);
-      return frame.pick(x, y);
+  /// Draws, moves the picture to `frame`, and numbers its selection. `select` is the request's.
+  std::string draw(const std::string& request, const std::string& select, Frame& frame,
+                   std::size_t& selection) {
+    const Turn turn(*this);
+    if (std::exchange(select_, select) != select) ++selections_;
+    selection = selections_;
+    Interrupt interrupt;
+    PageAnswer answer = released([&] {
+      PageAnswer made = engine_.call(request, {}, interrupt.control());
+      if (made.status == 0) frame = engine_.take_frame(take_spare());
+      return made;
     });
+    return text_of(std::move(answer), interrupt);
+  }
+
+  [[nodiscard]] std::optional<Pick> pick(const Frame& frame, std::size_t selection, double x, double y) {
+    const Turn turn(*this);
+    if (selection != selections_)
+      throw Failure{{ErrorCode::kUsage,
+                     "the renderer shows another selection by now; render the picture again to pick in it",
+                     {}}};
+    return released([&] { return frame.pick(x, y); });
   }
 
   /// Keeps the memory of a picture for the next one.
@@ -136,14 +145,44 @@ class Player {
   }
 
  private:
+  /// The engine is one caller's at a time. Ctrl+C ends the wait; a handler of signals cannot wait for itself.
+  class Turn {
+   public:
+    explicit Turn(Player& player) : player_(player), lock_(player.mutex_, std::defer_lock) {
+      if (player.owner_ == std::this_thread::get_id())
+        throw Failure{{ErrorCode::kUsage, "the renderer is drawing; use another one", {}}};
+      while (!released([&] { return lock_.try_lock_for(std::chrono::milliseconds(50)); }))
+        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      player.owner_ = std::this_thread::get_id();
+    }
+    ~Turn() { player_.owner_ = std::thread::id(); }
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+
+   private:
+    Player& player_;
+    std::unique_lock<std::timed_mutex> lock_;
+  };
+
+  static std::string text_of(PageAnswer answer, const Interrupt& interrupt) {
+    if (interrupt.is_requested()) throw py::error_already_set();
+    if (answer.status != 0)
+      throw Failure{{static_cast<ErrorCode>(answer.status - 1), answer.text, answer.subject}};
+    return std::move(answer.text);
+  }
+
   Frame take_spare() {
     const std::lock_guard lock(spare_mutex_);
     return std::exchange(spare_, {});
   }
 
   std::shared_ptr<const Atlas> atlas_;
-  std::mutex mutex_;  // of the engine; never locked while the interpreter is held
+  RendererOptions options_;
+  std::timed_mutex mutex_;  // of what follows
+  std::atomic<std::thread::id> owner_;
   PageEngine engine_;
+  std::string select_;
+  std::size_t selections_ = 0;
   std::mutex spare_mutex_;
   Frame spare_;
 };
@@ -151,11 +190,11 @@ class Player {
 /// A picture, and what it shows.
 class Drawing {
  public:
-  Drawing(std::shared_ptr<Player> player, const std::string& request,
+  Drawing(std::shared_ptr<Player> player, const std::string& request, const std::string& select,
           const std::optional<std::string>& background)
       : player_(std::move(player)) {
     if (background) background_ = value_or_fail(parse_color(*background));
-    answer = player_->call(request, &frame_);
+    answer = player_->draw(request, select, frame_, selection_);
   }
   ~Drawing() { player_->recycle(std::move(frame_)); }
   Drawing(const Drawing&) = delete;
@@ -182,7 +221,7 @@ class Drawing {
   [[nodiscard]] const Frame& frame() const { return frame_; }
   /// A structure and its point in LPS mm.
   [[nodiscard]] std::optional<std::pair<StructureIndex, Vec3>> pick(double x, double y) const {
-    const std::optional<Pick> pick = player_->pick(frame_, x, y);
+    const std::optional<Pick> pick = player_->pick(frame_, selection_, x, y);
     return pick ? std::optional(std::pair(pick->structure, pick->point_lps_mm)) : std::nullopt;
   }
 
@@ -191,6 +230,7 @@ class Drawing {
  private:
   std::shared_ptr<Player> player_;
   std::optional<Rgb> background_;  // none: transparent
+  std::size_t selection_ = 0;
   Frame frame_;
 };
 
@@ -288,11 +328,12 @@ void define_player(py::module_& module) {
   py::class_<Player, std::shared_ptr<Player>>(module, "Player")
       .def(py::init([](const std::string& path, unsigned threads, std::uint64_t memory, double max_work) {
         return released([&] {
-          return std::make_shared<Player>(path, RendererOptions{threads, memory},
-                                          AtlasOptions{max_work, memory});
+          auto atlas = value_or_fail(Atlas::open(path, AtlasOptions{max_work, memory}));
+          return std::make_shared<Player>(std::move(atlas), RendererOptions{threads, memory});
         });
       }))
-      .def("call", [](Player& player, const std::string& request) { return player.call(request); })
+      .def("another", &Player::another)
+      .def("call", &Player::call)
       .def("find",
            [](const Player& player, const std::string& name) {
              return value_or_fail(player.atlas().graph().find_named(name));
@@ -305,8 +346,10 @@ void define_player(py::module_& module) {
 
 void define_drawing(py::module_& module) {
   py::class_<Drawing>(module, "Drawing")
-      .def(py::init<std::shared_ptr<Player>, const std::string&, const std::optional<std::string>&>())
+      .def(py::init<std::shared_ptr<Player>, const std::string&, const std::string&,
+                    const std::optional<std::string>&>())
       .def_readonly("answer", &Drawing::answer)
+      .def("emptiness", [](const Drawing& drawing) { return emptiness_of(drawing.frame()); })
       .def("srgb", &Drawing::srgb)
       .def("png", &Drawing::png)
       .def("save", &Drawing::save)
@@ -328,7 +371,10 @@ void define_drawing(py::module_& module) {
 }
 
 PYBIND11_MODULE(_engine, module) {
-  static py::object error_type = py::exception<Failure>(module, "Error");
+  static py::object& error_type =
+      *new py::object(py::exception<Failure>(module, "Error"));  // outlives Python
+  error_type.attr("kind") = kind_of(ErrorCode::kFailed);
+  error_type.attr("subject") = "";
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(thrown);

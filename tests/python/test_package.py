@@ -155,7 +155,7 @@ class Package(unittest.TestCase):
         for kind, fault in (
                 ("not found", lambda: atlas.render("Lever")), ("not found", lambda: atlas.labels("Lever")),
                 ("usage", lambda: atlas.render(size=(0, 9))), ("usage", lambda: atlas.render(quality="best")),
-                ("usage", lambda: atlas.render(background="red!")),
+                ("usage", lambda: atlas.render(background="red!")), ("usage", lambda: picture.pick(1, 1)),
                 ("usage", lambda: atlas.render(cuts={"up": 3})), ("usage", lambda: picture.save("a.bmp")),
                 ("failed", lambda: splatlas.open(self.folder / "none.atlas")),
                 ("invalid atlas", lambda: splatlas.open(__file__)),
@@ -164,7 +164,11 @@ class Package(unittest.TestCase):
                 fault()
             self.assertEqual(raised.exception.kind, kind, raised.exception)
         for fault in (lambda: atlas.render(view="up"), lambda: atlas.render(scene="none"),
-                      lambda: picture.pick(1, 1), lambda: self.build(labels=boxes()),
+                      lambda: atlas.render(zoom=0), lambda: atlas.render(size="8x8"),
+                      lambda: atlas.render(camera=picture.camera, zoom=2), lambda: atlas.render(camera={"azimut": 3}),
+                      lambda: self.build(labels=boxes()), lambda: self.build(labels=picture.save, affine=np.eye(4)),
+                      lambda: self.build(labels=self.folder / "a.nrrd", affine=np.eye(4)),
+                      lambda: self.build(labels={"a=b": boxes()}, affine=np.eye(4)),
                       lambda: self.build(labels=boxes()[0], affine=np.eye(4)),
                       lambda: self.build(labels=boxes(), affine=np.eye(3)),
                       lambda: self.build(labels=boxes().astype(complex), affine=np.eye(4)),
@@ -174,6 +178,28 @@ class Package(unittest.TestCase):
         atlas.close()
         for closed in (atlas.labels, atlas.volume, atlas.render, atlas.renderer, atlas.show):
             self.assertRaisesRegex(ValueError, "closed", closed)
+
+    def test_numbers_of_numpy_structures_and_renderers_are_taken(self):
+        atlas = self.boxes()
+        liver, = atlas.find("Liver")
+        picture = atlas.render("Liver", size=np.array((8, 8)), azimuth=np.float32(30), ids=np.bool_(True),
+                               cuts={"left": np.float64(50)}, focus=liver)
+        self.assertEqual(picture.camera["azimuth"], 30)
+        np.testing.assert_array_equal(atlas.mask([liver, "Screw"]), boxes() > 0)
+        splatlas.build(atlas.path, labels=boxes(), affine=np.eye(4), names={3: "Other", 7: "Names"})
+        other = atlas.renderer().render("Liver", size=(8, 8), azimuth=30)  # of the open file, not of the new one
+        self.assertEqual(other.pick(4, 4)[0], liver)
+        self.assertIsNotNone(picture.pick(4, 4))
+        image = nibabel.Nifti1Image(boxes()[..., None], np.eye(4))
+        image.header.set_xyzt_units("meter")
+        np.testing.assert_allclose(self.build(labels=image).affine, np.diag((1000, 1000, 1000, 1)))
+
+    def test_empty_pictures_are_warned_of_each_time(self):
+        atlas = self.boxes()
+        for options in ({"select": "Liver - Liver"}, {"select": "Liver - Liver"}, {"cuts": {"left": -500}}):
+            with self.assertWarnsRegex(splatlas.Warning, "shows nothing") as caught:
+                atlas.render(size=(8, 8), **options)
+            self.assertEqual(caught.filename, __file__)
 
     def test_notes_are_warnings_and_the_page_is_shown(self):
         with warnings.catch_warnings(record=True) as caught:

@@ -11,10 +11,11 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import operator
 import os
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, Union
 
 import numpy as np
 
@@ -41,16 +42,23 @@ class Structure:
     triangles: int
 
 
+Names = Union[str, Structure, Iterable[Union[str, Structure]]]
+
+
 class Picture:
     """A rendered picture. It shows itself in notebooks."""
 
     def __init__(self, renderer: Renderer, request: dict, background: str | None):
-        self._renderer = renderer
-        self._drawing = _engine.Drawing(renderer._player(), json.dumps(request), background)
-        self._selection = renderer._selection = request["select"]
+        self._structures = renderer.atlas.structures
+        self._drawing = _engine.Drawing(
+            renderer._player(), json.dumps(request, default=lambda number: number.tolist()), request["select"],
+            background)
         answer = json.loads(self._drawing.answer)
-        for line in answer["warnings"] + answer["missing"]:
-            warnings.warn(line, Warning, stacklevel=4)
+        if "drawn" in answer:  # another selection, whose warnings are told once
+            renderer._warnings = answer["warnings"]
+        for line in [*renderer._warnings, self._drawing.emptiness(), *answer["missing"]]:
+            if line:
+                warnings.warn(line, Warning, stacklevel=3)
         #: camera: azimuth, elevation (degrees), zoom, center (RAS mm), projection, fieldOfView (degrees)
         self.camera: dict[str, Any] = _flipped_center(answer["camera"])
         self.ms: float = answer["ms"]  #: time of the engine
@@ -76,11 +84,12 @@ class Picture:
         return self._drawing.depth
 
     def pick(self, x: float, y: float) -> tuple[Structure, np.ndarray] | None:
-        """The structure at column x and row y, counted from the top left corner, and its point in RAS mm."""
-        if self._renderer._selection != self._selection:
-            raise ValueError("the renderer shows another selection by now; render the picture again to pick in it")
+        """The structure at column x and row y, counted from the top left corner, and its point in RAS mm.
+
+        None for the background. An error once the renderer shows another selection.
+        """
         found = self._drawing.pick(x, y)
-        return found and (self._renderer.atlas.structures[found[0]], np.array(_flipped(found[1])))
+        return found and (self._structures[found[0]], np.array(_flipped(found[1])))
 
     def save(self, path: str | os.PathLike) -> None:
         """Writes .png, .jpg, .tif, .exr (float), .svg or .pdf: whole, or not at all."""
@@ -93,17 +102,21 @@ class Picture:
 class Renderer:
     """Draws pictures of one atlas, and keeps what it has decoded. Threads may share it; it draws in turn."""
 
-    def __init__(self, atlas: Atlas, player: _engine.Player):
-        self.atlas, self._selection = atlas, None
-        self._open_player: Any = player  # None once the atlas is closed
+    def __init__(self, atlas: Atlas | None, player: _engine.Player):
+        self._atlas, self._warnings = atlas, list[str]()
+        self._open_player: _engine.Player | None = player
+
+    @property
+    def atlas(self) -> Atlas:
+        return self._atlas or self  # type: ignore  # an atlas is its own renderer
 
     def _player(self) -> _engine.Player:
         self.atlas._opened()
-        return self._open_player
+        return self._open_player  # type: ignore
 
     def render(self, select: str | None = None, *, scene: str | None = None, size: Sequence[int] = (800, 600),
                view: str | None = None, azimuth: float | None = None, elevation: float | None = None,
-               zoom: float = 1, center: Sequence[float] | None = None, focus: str | None = None,
+               zoom: float = 1, center: Sequence[float] | None = None, focus: str | Structure | None = None,
                camera: Mapping[str, Any] | None = None, projection: str | None = None,
                cuts: Mapping[str, float] | Iterable[str] | None = None, caps: str = "both",
                quality: str = "normal", shading: bool = True, depth_cue: bool = False,
@@ -115,19 +128,27 @@ class Renderer:
             the others replace.
         size: (width, height) in pixels.
         view: anterior, posterior, left, right, superior or inferior; or azimuth and elevation in degrees.
-        zoom: relative to the fit of the selection, or of the structure `focus`. center: middle in RAS mm.
-        camera: the camera of another picture, in place of a fit; azimuth and elevation turn it.
-        cuts: {"left": 0}: removes what lies further left than 0 mm; or texts as of --cut. caps: values, labels,
-            both or none. quality: draft, normal or high.
+        zoom: relative to the fit of the selection, or of the structure `focus`; multiplies that of a scene.
+        center: middle in RAS mm.
+        camera: the camera of another picture, in place of zoom, center and focus; a view, azimuth and elevation
+            turn it.
+        cuts: {"left": 0}: removes what lies further left than 0 mm; or texts as of --cut, in LPS mm. caps: values,
+            labels, both or none. quality: draft, normal or high.
         background: "#rrggbb"; None: transparent.
         """
-        player = self._player()
+        self._player()
         shown = self.atlas._scene(scene) if scene is not None else {}
         placed = {key: shown[key] for key in ("azimuth", "elevation", "projection") if key in shown}
+        if camera is not None:
+            if zoom != 1 or center is not None or focus is not None:
+                raise ValueError("camera: takes the place of zoom, center and focus; change its values instead")
+            placed |= _flipped_center(dict(camera))
         if view is not None:
             placed |= self.atlas._view(view)
-        if camera is not None:
-            placed |= _flipped_center(dict(camera))
+        if unknown := placed.keys() - {"azimuth", "elevation", "zoom", "center", "projection", "fieldOfView"}:
+            raise ValueError(f"camera: has no {', '.join(map(repr, unknown))}")
+        if not 1e-6 <= zoom <= 1e6:
+            raise ValueError(f"zoom: {zoom!r}: must be from 1e-6 to 1e6")
         given = {"azimuth": azimuth, "elevation": elevation, "projection": projection}
         placed |= {key: value for key, value in given.items() if value is not None}
         if camera is None:
@@ -138,24 +159,28 @@ class Renderer:
         if cuts is None:
             planes = shown.get("cuts", [])
         else:
-            texts = [f"{side}={mm!r}" for side, mm in cuts.items()] if isinstance(cuts, Mapping) else cuts
+            texts = [cuts] if isinstance(cuts, str) else cuts
+            if isinstance(cuts, Mapping):
+                texts = [f"{side}={float(mm)!r}" for side, mm in cuts.items()]
             planes = [{"normal": normal, "offset": offset} for normal, offset in _engine.parse_cuts(" ".join(texts))]
         return Picture(self, {
             "call": "draw", "select": shown.get("select", "*") if select is None else select,
-            "size": [int(side) for side in size], "camera": placed, "cuts": planes, "caps": caps,
+            "size": _size(size), "camera": placed, "cuts": planes, "caps": caps,
             "quality": quality, "shading": shading, "depthCue": depth_cue, "draftBudget": draft_budget_ms,
             "ids": ids, "depths": depth}, background)
 
 
-class Atlas:
+class Atlas(Renderer):
     """An open atlas. Reading is lazy; threads may share it. `close()` or `with` ends it."""
 
     def __init__(self, path: str | os.PathLike, threads: int = 0, memory: int = 0, max_work: float = 1):
-        self.path = os.fspath(path)
-        self._limits = (threads, memory, max_work)
-        self._player: _engine.Player | None = _engine.Player(self.path, *self._limits)
+        self.path = os.path.abspath(os.fspath(path))
+        if "\0" in self.path:
+            raise ValueError(f"{self.path!r}: holds a zero byte")
+        player = _engine.Player(self.path, threads, memory, max_work)
+        super().__init__(None, player)
         #: the document of `splatlas-player info --json`
-        self.info: dict[str, Any] = json.loads(self._player.call('{"call": "info"}'))
+        self.info: dict[str, Any] = json.loads(player.call('{"call": "info"}'))
         grid = self.info["grid"]
         #: (4, 4) float64: voxel indices of the arrays to RAS mm, as nibabel's
         self.affine = np.eye(4)
@@ -170,8 +195,6 @@ class Atlas:
                       sum(one["voxels"].values()), float(sum(one["voxels"].values()) * mm3 / 1000), one["triangles"])
             for index, one in enumerate(self.info["structures"]))
         self.scenes: tuple[str, ...] = tuple(scene["name"] for scene in self.info["scenes"])
-        self._renderer = Renderer(self, self._player)
-        self.render = self._renderer.render
 
     def __enter__(self) -> Atlas:
         return self
@@ -184,22 +207,21 @@ class Atlas:
 
     def close(self) -> None:
         """Frees what is decoded, once no picture needs it."""
-        self._player = self._renderer._open_player = None
+        self._open_player = None
 
     def renderer(self) -> Renderer:
         """Another renderer, with a cache of its own."""
-        self._opened()
-        return Renderer(self, _engine.Player(self.path, *self._limits))
+        return Renderer(self, self._opened().another())
 
     def find(self, name: str) -> list[Structure]:
         """The structures of an id, name, path, synonym, pattern ("Vermis*") or label ("#17")."""
         return [self.structures[index] for index in self._indices(name)]
 
-    def labels(self, names: str | Iterable[str] = "*") -> np.ndarray:
+    def labels(self, names: Names = "*") -> np.ndarray:
         """The source label map: (i, j, k), of its type. Other structures than these and their parts are 0."""
         return self._opened().labels(self._indices(names))
 
-    def mask(self, names: str | Iterable[str]) -> np.ndarray:
+    def mask(self, names: Names) -> np.ndarray:
         """(i, j, k) bool: where the structures or their parts are; they may overlap."""
         return self._opened().mask(self._indices(names))
 
@@ -207,7 +229,7 @@ class Atlas:
         """The grey values: (i, j, k), of the type of the source."""
         return self._opened().volume()
 
-    def surface(self, names: str | Iterable[str]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def surface(self, names: Names) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Vertices (n, 3) in RAS mm, triangles (m, 3), counter-clockwise from outside, and normals (n, 3)."""
         return self._opened().surface(self._indices(names))
 
@@ -222,16 +244,17 @@ class Atlas:
         return page_of(self.path, select, scene, height)
 
     def _opened(self) -> _engine.Player:
-        if self._player is None:
+        if self._open_player is None:
             raise ValueError(f"{self.path}: the atlas is closed")
-        return self._player
+        return self._open_player
 
-    def _indices(self, names: str | Iterable[str]) -> list[int]:
+    def _indices(self, names: Names) -> list[int]:
         player = self._opened()
-        found = [index for name in ([names] if isinstance(names, str) else names) for index in player.find(name)]
-        return list(dict.fromkeys(found))
+        one_or_more = [names] if isinstance(names, (str, Structure)) else names
+        found = [[name.index] if isinstance(name, Structure) else player.find(name) for name in one_or_more]
+        return list(dict.fromkeys(index for indices in found for index in indices))
 
-    def _one(self, name: str) -> int:
+    def _one(self, name: Names) -> int:
         found = self._indices(name)
         if len(found) != 1:
             raise ValueError(f"{name}: names {len(found)} structures; focus takes one")
@@ -266,4 +289,10 @@ def _flipped(point: Sequence[float]) -> list[float]:
 
 
 def _flipped_center(camera: dict[str, Any]) -> dict[str, Any]:
-    return camera | {"center": _flipped(camera["center"])} if camera.get("center") else camera
+    return camera if camera.get("center") is None else camera | {"center": _flipped(camera["center"])}
+
+
+def _size(size: Sequence[int]) -> list[int]:
+    if isinstance(size, str) or len(size) != 2:
+        raise ValueError(f"size: {size!r}: must be (width, height)")
+    return [operator.index(side) for side in size]

@@ -48,23 +48,31 @@ def build(output: str | os.PathLike, *, labels: Any = None, volume: Any = None, 
     meshes: {name: (vertices in RAS mm, triangles)}.
     options: more options of `splatlas-preprocess build`.
     """
+    groups = dict(labels) if isinstance(labels, Mapping) else {"": labels}
+    if affine is not None and not any(_is_plain(image) for image in (*groups.values(), volume)):
+        raise ValueError("affine: files and images have their own; it is for arrays")
+    for name in (*groups, *(meshes or {})):
+        if "=" in name or (name in groups and "/" in name):
+            raise ValueError(f"{name!r}: names of meshes and groups hold no '=', and of groups no '/'")
+    if isinstance(options, str):
+        raise ValueError("options: must be a list of words")
     with tempfile.TemporaryDirectory(prefix="splatlas-") as folder:
         files = pathlib.Path(folder)
-        words = ["build", "-o", os.fspath(output), "--progress", "none"]
-        for group, image in labels.items() if isinstance(labels, Mapping) else [("", labels)]:
+        words = ["build", f"--output={os.fspath(output)}", "--progress=none"]
+        for number, (group, image) in enumerate(groups.items()):
             if image is not None:
-                path = _image_file(image, affine, files / f"labels{len(words)}.nrrd", "labels")
-                words += ["--labels", f"{group}={path}" if group else path]
+                path = _image_file(image, affine, files / f"labels{number or ''}.nrrd", "labels")
+                words.append(f"--labels={group}={path}" if group else f"--labels={path}")
         if volume is not None:
-            words += ["--volume", _image_file(volume, affine, files / "volume.nrrd", "volume")]
+            words.append(f"--volume={_image_file(volume, affine, files / 'volume.nrrd', 'volume')}")
         if names is not None:
-            words += ["--names", _names_file(names, files / "names.csv")]
+            words.append(f"--names={_names_file(names, files / 'names.csv')}")
         if tree is not None:
-            words += ["--tree", _tree_file(tree, files / "names.tree")]
-        for number, (name, (vertices, triangles)) in enumerate((meshes or {}).items()):
+            words.append(f"--tree={_tree_file(tree, files / 'names.tree')}")
+        for number, (name, (vertices, triangles, *_)) in enumerate((meshes or {}).items()):
             path = _mesh_file(vertices, triangles, files / f"{number}.obj")
-            words += ["--mesh", f"{name}={path},frame=ras"]
-        _run("splatlas-preprocess", [*words, *options])
+            words.append(f"--mesh={name}={path},frame=ras")
+        _run("splatlas-preprocess", [*words, *options], folder, stacklevel=3)
 
 
 def page_of(path: str, select: str | None, scene: str | None, height: int) -> Page:
@@ -73,23 +81,23 @@ def page_of(path: str, select: str | None, scene: str | None, height: int) -> Pa
         words = ["export", path, "--html", os.fspath(page)]
         for option, value in (("--select", select), ("--scene", scene)):
             words += [option, value] if value is not None else []
-        _run("splatlas-player", words)
+        _run("splatlas-player", words, folder, stacklevel=4)
         return Page(page.read_text(encoding="utf-8"), height)
 
 
-def _run(program: str, words: list[str]) -> None:
+def _run(program: str, words: list[str], folder: str, stacklevel: int) -> None:
     beside = pathlib.Path(__file__).parents[2] / "bin" / program  # in a build
     found = os.fspath(beside) if beside.exists() else shutil.which(program)
     if found is None:
         raise Error(f"{program} is not installed, or not in PATH")
     done = subprocess.run([found, *words], capture_output=True, text=True, errors="replace")
-    *notes, last = done.stderr.splitlines() or [""]
+    *notes, last = done.stderr.replace(f"{folder}/", "").splitlines() or [""]
     if done.returncode == 0:
         notes, last = [*notes, last], ""
     for line in notes:
         kind, _, text = line.partition(": ")
         if kind in ("note", "warning"):
-            warnings.warn(text, Warning, stacklevel=4)
+            warnings.warn(text, Warning, stacklevel=stacklevel)
     if done.returncode != 0:
         error = Error(last.removeprefix(f"{program}: ") or f"{program}: ended with {done.returncode}")
         kinds = {2: "usage", 3: "invalid atlas", 4: "not found"}
@@ -97,19 +105,28 @@ def _run(program: str, words: list[str]) -> None:
         raise error
 
 
+def _is_plain(image: Any) -> bool:
+    """True for arrays, which have no affine of their own."""
+    return image is not None and not isinstance(image, (str, os.PathLike)) and not hasattr(image, "dataobj")
+
+
 def _image_file(image: Any, affine: Any, path: pathlib.Path, what: str) -> str:
     if isinstance(image, (str, os.PathLike)):
         return os.fspath(image)
     if hasattr(image, "dataobj"):  # nibabel
-        image, affine = np.asanyarray(image.dataobj), image.affine
-    array = np.asarray(image)
+        mm = {"meter": 1000, "micron": 0.001}.get(image.header.get_xyzt_units()[0], 1) if hasattr(
+            image.header, "get_xyzt_units") else 1
+        image, affine = np.asanyarray(image.dataobj), np.diag((mm, mm, mm, 1)) @ image.affine
+    array = np.asarray(np.ma.filled(image, 0) if isinstance(image, np.ma.MaskedArray) else image)
+    while array.ndim > 3 and array.shape[-1] == 1:
+        array = array[..., 0]
     if array.ndim != 3 or 0 in array.shape:
         raise ValueError(f"{what}: an array of shape {array.shape}; it must have three axes, none of them empty")
     if affine is None:
         raise ValueError(f"{what}: an array needs affine=, the map from voxel indices to RAS mm")
     affine = np.asarray(affine, dtype=float)
-    if affine.shape != (4, 4) or not np.isfinite(affine).all():
-        raise ValueError("affine: must be 4 x 4 finite numbers")
+    if affine.shape != (4, 4) or not np.isfinite(affine).all() or not np.array_equal(affine[3], (0, 0, 0, 1)):
+        raise ValueError("affine: must be 4 x 4 finite numbers, with 0, 0, 0, 1 in the last row")
     array = _storable(array, what)
     vector = "({!r},{!r},{!r})".format
     columns = [vector(*map(float, affine[:3, axis])) for axis in range(4)]
@@ -141,12 +158,12 @@ def _names_file(names: Any, path: pathlib.Path) -> str:
     if isinstance(names, (str, os.PathLike)):
         return os.fspath(names)
     if hasattr(names, "to_dict"):  # pandas
-        names = names.to_dict("records")
+        names = names.to_dict("records") if names.ndim == 2 else names.to_dict()
     if isinstance(names, Mapping):
         names = [{"label": label, "name": name} for label, name in names.items()]
-    rows = [dict(row) for row in names]
-    if not rows:
-        raise ValueError("names: are empty")
+    rows = list(names)
+    if not rows or not all(isinstance(row, Mapping) for row in rows):
+        raise ValueError("names: must be a path, {label: name}, a DataFrame or mappings with label and name")
     columns = list(dict.fromkeys(key for row in rows for key in row))
     with builtins.open(path, "w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, columns)
