@@ -64,7 +64,7 @@ py::array array_of(std::vector<T> values, const py::dtype& type, const Shape& sh
   auto kept = std::make_unique<std::vector<T>>(std::move(values));
   void* const data = kept->data();
   const py::capsule owner(kept.get(), [](void* p) { delete static_cast<std::vector<T>*>(p); });
-  kept.release();
+  static_cast<void>(kept.release());
   const auto bytes = type.itemsize();
   return {type, shape,
           columns_first ? py::detail::f_strides(shape, bytes) : py::detail::c_strides(shape, bytes), data,
@@ -377,7 +377,7 @@ PYBIND11_MODULE(_engine, module) {
   error_type.attr("subject") = "";
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
-      if (thrown) std::rethrow_exception(thrown);
+      if (thrown) std::rethrow_exception(std::move(thrown));
     } catch (const Failure& failure) {
       const py::object error = error_type(printable(failure.error.message));
       error.attr("kind") = kind_of(failure.error.code);

@@ -27,7 +27,7 @@ std::string message_of_teem(const std::string& stack) {
 }
 
 VoxelType voxel_type_of(itk::IOComponentEnum component) {
-  using enum itk::IOComponentEnum;
+  using enum itk::CommonEnums::IOComponent;
   constexpr std::array kTypes{UNKNOWNCOMPONENTTYPE, UCHAR, CHAR, USHORT, SHORT, UINT, INT, FLOAT, DOUBLE};
   const auto found = std::ranges::find(kTypes, component) - kTypes.begin();
   return static_cast<VoxelType>(found % std::ssize(kTypes));
