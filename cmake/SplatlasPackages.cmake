@@ -42,5 +42,6 @@ package(dev libsplatlas-dev libdevel "These are its libraries and headers."
   "splatlas-player, libexpected-dev, libfmt-dev, libhwy-dev, libmeshoptimizer-dev, libpng-dev, libzstd-dev, zlib1g-dev")
 package(python python3-splatlas python "This is the package for Python."
   "python3 (>= 3.11), python3 (<< 3.12), python3-numpy, splatlas-player")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${files}/python/prerm)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "splatlas-preprocess, python3-nibabel")
 include(CPack)

@@ -43,7 +43,7 @@ try() {
   # The command of the desktop entry, without a browser
   # shellcheck disable=SC2016  # the root's shell expands
   in_root sh -c 'splatlas-player --no-browser /root/brain.atlas >/root/address & sleep 3
-    curl --silent --fail --location --cookie-jar - --output /root/page "$(grep -o "http[^ ]*" /root/address)"'
+    curl --silent --fail --location --cookie-jar /root/cookies --output /root/page "$(grep -o "http[^ ]*" /root/address)"'
   grep -q '<title>' $root/root/page
   install_in_root './root/*.deb'
   in_root python3 -c 'import splatlas; splatlas.open("/root/brain.atlas").render(size=(64, 64)).save("/root/a.jpg")'
