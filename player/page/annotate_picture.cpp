@@ -55,14 +55,18 @@ std::string printed_name(const Structure& structure) {
 
 }  // namespace
 
-std::vector<const NamedStructure*> PageLayout::labelled_structures() const {
+std::vector<const NamedStructure*> PageLayout::labelled_structures(
+    const std::optional<PageBox>& within) const {
   std::vector<const NamedStructure*> chosen;
   for (const NamedStructure& one : scene.structures) chosen.push_back(&one);
   std::ranges::stable_sort(chosen, std::greater(),
                            [](const NamedStructure* one) { return one->visible.pixels; });
   const double em = kLabelPoints * pt;
-  std::erase_if(chosen,
-                [&](const NamedStructure* one) { return !one->labelled || one->visible.pixels < em * em; });
+  std::erase_if(chosen, [&](const NamedStructure* one) {
+    const PagePoint anchor = one->visible.anchor;
+    return !one->labelled || one->visible.pixels < em * em ||
+           (within && !contains(*within, {anchor.x, anchor.y, anchor.x, anchor.y}));
+  });
   chosen.resize(std::min(chosen.size(), options.max_labels.value_or(kMaxLabels)));
   return chosen;
 }
@@ -79,13 +83,6 @@ Label PageLayout::label_of(const NamedStructure& structure, double max_width) co
 }
 
 void PageLayout::place_structure_labels() {
-  // Choose the largest structures that no block of text covers
-  std::vector<const NamedStructure*> chosen = labelled_structures();
-  std::erase_if(chosen, [&](const NamedStructure* one) {
-    const PagePoint anchor = one->visible.anchor;
-    return !contains(figure, {anchor.x, anchor.y, anchor.x, anchor.y});
-  });
-
   // Break long names
   const double em = kLabelPoints * pt, leading = kLabelSpacing * em;
   const PageBox content = free_space.content().value_or(figure);
@@ -94,8 +91,13 @@ void PageLayout::place_structure_labels() {
   const double page_width = scene.picture.size.width;
   const double max_width = std::clamp(side, kMinLabelWidth * page_width, kMaxLabelWidth * page_width);
   std::vector<Label> labels;
-  std::erase_if(chosen, [&](const NamedStructure* one) { return label_of(*one, max_width).lines.empty(); });
-  for (const NamedStructure* one : chosen) labels.push_back(label_of(*one, max_width));
+  std::vector<std::size_t> structure_of_label;
+  for (const NamedStructure* one : labelled_structures(figure)) {  // that no block of text covers
+    Label label = label_of(*one, max_width);
+    if (label.lines.empty()) continue;
+    labels.push_back(std::move(label));
+    structure_of_label.push_back(static_cast<std::size_t>(one - scene.structures.data()));
+  }
 
   // Place them and add their texts and leaders,
   // with generous gaps between rows if these lose no label.
@@ -108,7 +110,7 @@ void PageLayout::place_structure_labels() {
   if (auto wider = place(kWideRows); wider.size() >= placed.size()) placed = std::move(wider);
   for (const PlacedLabel& one : placed) {
     const Label& label = labels[one.label];
-    is_labelled[static_cast<std::size_t>(chosen[one.label] - scene.structures.data())] = true;
+    lacks_label[structure_of_label[one.label]] = false;
     double baseline = one.box.top + kAscent * em;
     for (const std::string& words : label.lines) {
       PlacedText text_line = text(words, one.box.left, baseline, kLabelPoints);
@@ -182,17 +184,15 @@ Result<AnnotationLayer> annotate_picture(const AnnotatedScene& scene, const Anno
   for (int pass = 0; pass < kMaxPasses; ++pass) {
     const std::size_t unlabelled = completes ? 0 : layout->layer.unlabelled;
     const std::vector<bool> before = is_listed;
-    for (std::size_t s = 0; s < is_listed.size(); ++s) is_listed[s] = is_listed[s] || !layout->is_labelled[s];
+    for (std::size_t s = 0; s < is_listed.size(); ++s) is_listed[s] = is_listed[s] || layout->lacks_label[s];
     if (is_listed == before && unlabelled <= told) break;
     told = unlabelled;
     layout.emplace(lay_out(scene, options, measure, free_space, is_listed, told));
   }
   // A later pass may have labelled what an earlier one listed
-  const auto others = [](std::vector<bool> labelled) { return labelled.flip(), labelled; };
-  const std::vector<bool> rest = others(layout->is_labelled);
-  if (completes && rest != is_listed) {
-    PageLayout shorter = lay_out(scene, options, measure, free_space, rest, told);
-    if (others(shorter.is_labelled) == rest) layout.emplace(std::move(shorter));
+  if (completes && layout->lacks_label != is_listed) {
+    PageLayout shorter = lay_out(scene, options, measure, free_space, layout->lacks_label, told);
+    if (shorter.lacks_label == shorter.is_listed) layout.emplace(std::move(shorter));
   }
   if (!fits(*layout)) {
     const PictureSize& size = scene.picture.size;

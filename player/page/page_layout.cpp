@@ -93,7 +93,7 @@ PageLayout::PageLayout(const AnnotatedScene& scene_, const AnnotationOptions& op
       free_space(free_space_),
       pt(annotation_dpi(options_, scene_.picture.size) / 72),
       is_listed(scene_.structures.size(), true),
-      is_labelled(scene_.structures.size(), false) {
+      lacks_label(scene_.structures.size(), true) {
   const double width = scene.picture.size.width, height = scene.picture.size.height;
   const double margin = kMargin * std::min(width, height);
   page = figure = {margin, margin, width - margin, height - margin};

@@ -54,14 +54,14 @@ struct AnnotatedScene {
 /// Content of the annotations.
 struct AnnotationOptions {
   AnnotationItems items = {};
-  std::optional<std::size_t> max_labels =
-      std::nullopt;  ///< not set: kMaxLabels, and a note counts the others
+  /// Labels of the largest structures. Not set: kMaxLabels, and a note counts the others.
+  std::optional<std::size_t> max_labels = std::nullopt;
   std::string caption = {}, citation = {};
   /// Pixels per inch in print. Not set: the short side has 160 mm, but labels at least 11 pixels.
   std::optional<double> dpi = std::nullopt;
 };
 
-inline constexpr std::size_t kMaxLabels = 40;  ///< labels of the largest structures
+inline constexpr std::size_t kMaxLabels = 40;  ///< on a page
 
 /// Sizes of texts in points, and of lines.
 inline constexpr double kLabelPoints = 8.5, kLegendPoints = 8, kCaptionPoints = 9.5, kCitationPoints = 7,
@@ -93,7 +93,7 @@ struct PageLayout {
   AnnotationLayer layer;
   std::vector<PageBox> obstacles;
   std::vector<bool> is_listed;    ///< [structure]: in the legend, if it has room
-  std::vector<bool> is_labelled;  ///< [structure]: by place_structure_labels()
+  std::vector<bool> lacks_label;  ///< [structure]: place_structure_labels() has placed none
 
   /// The background at a height of the page, and the colours of text on it.
   struct Inks {
@@ -117,8 +117,9 @@ struct PageLayout {
   void place_structure_labels();
   /// Takes room for the letters above and below the figure, and for the columns of labels beside it.
   void reserve_room();
-  /// Structures to label, at most those of the options: the largest ones first.
-  [[nodiscard]] std::vector<const NamedStructure*> labelled_structures() const;
+  /// Structures to label, at most those of the options, with anchors in a box: the largest ones first.
+  [[nodiscard]] std::vector<const NamedStructure*> labelled_structures(
+      const std::optional<PageBox>& within = std::nullopt) const;
 
  private:
   /// A label with lines of at most `max_width` pixels, unless a word is longer.

@@ -136,7 +136,6 @@ class Renderer:
             labels, both or none. quality: draft, normal or high.
         background: "#rrggbb"; None: transparent.
         """
-        self._player()
         shown = self.atlas._scene(scene) if scene is not None else {}
         placed = {key: shown[key] for key in ("azimuth", "elevation", "projection") if key in shown}
         if camera is not None:

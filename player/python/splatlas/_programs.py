@@ -117,7 +117,7 @@ def _image_file(image: Any, affine: Any, path: pathlib.Path, what: str) -> str:
         mm = {"meter": 1000, "micron": 0.001}.get(image.header.get_xyzt_units()[0], 1) if hasattr(
             image.header, "get_xyzt_units") else 1
         image, affine = np.asanyarray(image.dataobj), np.diag((mm, mm, mm, 1)) @ image.affine
-    array = np.asarray(np.ma.filled(image, 0) if isinstance(image, np.ma.MaskedArray) else image)
+    array = np.asarray(np.ma.filled(image, 0))
     while array.ndim > 3 and array.shape[-1] == 1:
         array = array[..., 0]
     if array.ndim != 3 or 0 in array.shape:

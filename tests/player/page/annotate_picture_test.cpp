@@ -198,6 +198,15 @@ TEST(AnnotatePicture, CountsWhatIsNotLabelledUnlessALimitIsGiven) {
       std::ranges::none_of(two.texts, [](const PlacedText& one) { return one.style == FontStyle::kItalic; }));
 }
 
+TEST(AnnotatePicture, LabelsAsManyBesideWhatTheCaptionCovers) {
+  DiscScene discs({600, 400});
+  for (StructureIndex n = 0; n < 2; ++n) discs.add(n, 200 + 200 * n, 390, 20);  // the largest
+  for (StructureIndex n = 2; n < 5; ++n) discs.add(n, 200 + 40 * n, 150, 10 + n);
+  const AnnotationLayer layer = annotated(
+      discs.annotated(), {.items = {.labels = true, .caption = true}, .max_labels = 2, .caption = "Discs"});
+  EXPECT_EQ(layer.labels, 2u);
+}
+
 TEST(AnnotatePicture, ListsWhatHasNoLabel) {
   DiscScene discs({600, 400});
   for (StructureIndex n = 0; n < 5; ++n) discs.add(n, 220 + 40 * n, 200, 10 + n);
