@@ -25,28 +25,52 @@ PackedNormal pack_codes(float x, float y) {
   return static_cast<PackedNormal>(code(x) | code(y) << 8);
 }
 
-/// The point of a code on the octahedron |x| + |y| + |z| = 1.
+std::uint32_t mask(bool value) {
+  return value ? ~0u : 0u;
+}
+float select(std::uint32_t mask, float yes, float no) {
+  return std::bit_cast<float>((std::bit_cast<std::uint32_t>(yes) & mask) |
+                              (std::bit_cast<std::uint32_t>(no) & ~mask));
+}
+
+/// The point of the octahedron |x| + |y| + |z| = 1 at (x, y) of its map.
+std::array<float, 3> octahedron_point(float x, float y) {
+  const float z = 1 - std::abs(x) - std::abs(y);
+  const std::array<float, 2> outside = folded(x, y);
+  const std::uint32_t is_lower = mask(z < 0);
+  return {select(is_lower, outside[0], x), select(is_lower, outside[1], y), z};
+}
 std::array<float, 3> octahedron_point(PackedNormal packed) {
   const auto component = [](unsigned bits) {  // code -128, never written, decodes as -127
     return std::max(static_cast<float>(static_cast<std::int8_t>(bits & 0xffu)) / kScale, -1.0f);
   };
-  std::array<float, 2> p{component(packed), component(packed >> 8u)};
-  const float z = 1 - std::abs(p[0]) - std::abs(p[1]);
-  if (z < 0) p = folded(p[0], p[1]);
-  return {p[0], p[1], z};
+  return octahedron_point(component(packed), component(packed >> 8u));
 }
 
-/// round_normals() of a block of vectors, all of them finite and not zero. No branches, so that compilers use
+/// The codes of a block of vectors, all of them finite and not zero. No branches, so that compilers use
 /// vectors; the operations are those of pack_normal() and unpack_normal(), in their order.
 class NormalBlock {
  public:
   static constexpr std::size_t kSize = 64;
 
-  void round(std::span<std::array<float, 3>> normals) {
+  explicit NormalBlock(std::span<const std::array<float, 3>> normals) {
     load(normals);
     project();
     choose();
-    for (std::size_t n = 0; n < normals.size(); ++n) normals[n] = {best_[0][n], best_[1][n], best_[2][n]};
+  }
+  [[nodiscard]] PackedNormal code(std::size_t n) const { return pack_codes(best_[0][n], best_[1][n]); }
+
+  /// Replaces vectors by those of their codes.
+  void unpack(std::span<std::array<float, 3>> normals) const {
+    std::array<Lanes, 3> unit;
+    for (std::size_t n = 0; n < kSize; ++n) {
+      const auto [x, y, z] = octahedron_point(best_[0][n] / kScale, best_[1][n] / kScale);
+      const float length = std::sqrt(x * x + y * y + z * z);
+      unit[0][n] = x / length;
+      unit[1][n] = y / length;
+      unit[2][n] = z / length;
+    }
+    for (std::size_t n = 0; n < normals.size(); ++n) normals[n] = {unit[0][n], unit[1][n], unit[2][n]};
   }
 
  private:
@@ -92,43 +116,26 @@ class NormalBlock {
     for (const float dy : {0.0f, 1.0f}) {
       for (const float dx : {0.0f, 1.0f}) try_codes(dx, dy);
     }
-    for (std::size_t n = 0; n < kSize; ++n) {
-      const float x = best_[0][n], y = best_[1][n], z = best_[2][n];
-      const float length = std::sqrt(x * x + y * y + z * z);
-      best_[0][n] = x / length;
-      best_[1][n] = y / length;
-      best_[2][n] = z / length;
-    }
   }
   void try_codes(float dx, float dy) {
     for (std::size_t n = 0; n < kSize; ++n) {
-      const float code_x = low_[0][n] + dx, code_y = low_[1][n] + dy;
-      const float x = (code_x > kScale ? kScale : code_x) / kScale,
-                  y = (code_y > kScale ? kScale : code_y) / kScale;
-      const float z = 1 - std::abs(x) - std::abs(y);
-      const float folded_x = (1 - std::abs(y)) * sign_of(x), folded_y = (1 - std::abs(x)) * sign_of(y);
-      const float u = select(mask(z < 0), folded_x, x), v = select(mask(z < 0), folded_y, y);
+      const float above_x = low_[0][n] + dx, above_y = low_[1][n] + dy;
+      const float code_x = above_x > kScale ? kScale : above_x, code_y = above_y > kScale ? kScale : above_y;
+      const auto [u, v, z] = octahedron_point(code_x / kScale, code_y / kScale);
       const float dot = u * direction_[0][n] + v * direction_[1][n] + z * direction_[2][n];
       const float squared_length = u * u + v * v + z * z;
       const float best_dot = best_dot_[n], best_squared_length = best_squared_length_[n];
-      const float best_x = best_[0][n], best_y = best_[1][n], best_z = best_[2][n];
       const std::uint32_t better =
           mask(best_dot < 0) | mask(dot * dot * best_squared_length > best_dot * best_dot * squared_length);
       best_dot_[n] = select(better, dot, best_dot);
       best_squared_length_[n] = select(better, squared_length, best_squared_length);
-      best_[0][n] = select(better, u, best_x);
-      best_[1][n] = select(better, v, best_y);
-      best_[2][n] = select(better, z, best_z);
+      best_[0][n] = select(better, code_x, best_[0][n]);
+      best_[1][n] = select(better, code_y, best_[1][n]);
     }
   }
-  [[nodiscard]] static std::uint32_t mask(bool value) { return value ? ~0u : 0u; }
-  [[nodiscard]] static float select(std::uint32_t mask, float yes, float no) {
-    return std::bit_cast<float>((std::bit_cast<std::uint32_t>(yes) & mask) |
-                                (std::bit_cast<std::uint32_t>(no) & ~mask));
-  }
 
-  std::array<Lanes, 3> direction_{}, best_{};
-  std::array<Lanes, 2> low_{};  // whole numbers
+  std::array<Lanes, 3> direction_{};
+  std::array<Lanes, 2> low_{}, best_{};  // whole numbers
   Lanes best_dot_{}, best_squared_length_{};
 };
 
@@ -171,8 +178,11 @@ std::array<float, 3> unpack_normal(PackedNormal packed) {
   return {x / length, y / length, z / length};
 }
 
-void round_normals(std::span<std::array<float, 3>> normals) {
-  NormalBlock block;
+namespace {
+
+/// Calls take(first, block) for blocks of vectors that all have directions, and otherwise(first, part).
+template <typename Vectors, typename Take, typename Otherwise>
+void for_each_block(const Vectors& normals, const Take& take, const Otherwise& otherwise) {
   for (std::size_t first = 0; first < normals.size(); first += NormalBlock::kSize) {
     const auto part = normals.subspan(first, std::min(NormalBlock::kSize, normals.size() - first));
     const bool all_have_directions = std::ranges::all_of(part, [](const std::array<float, 3>& n) {
@@ -180,11 +190,34 @@ void round_normals(std::span<std::array<float, 3>> normals) {
       return sum > 0 && std::isfinite(sum);
     });
     if (all_have_directions) {
-      block.round(part);
+      take(part, first, NormalBlock(part));
     } else {
-      for (std::array<float, 3>& normal : part) normal = unpack_normal(pack_normal(normal));
+      otherwise(part, first);
     }
   }
+}
+
+}  // namespace
+
+std::vector<PackedNormal> pack_normals(std::span<const std::array<float, 3>> normals) {
+  std::vector<PackedNormal> packed(normals.size());
+  for_each_block(
+      normals,
+      [&](auto part, std::size_t first, const NormalBlock& block) {
+        for (std::size_t n = 0; n < part.size(); ++n) packed[first + n] = block.code(n);
+      },
+      [&](auto part, std::size_t first) {
+        for (std::size_t n = 0; n < part.size(); ++n) packed[first + n] = pack_normal(part[n]);
+      });
+  return packed;
+}
+
+void round_normals(std::span<std::array<float, 3>> normals) {
+  for_each_block(
+      normals, [](auto part, std::size_t /*first*/, const NormalBlock& block) { block.unpack(part); },
+      [](auto part, std::size_t /*first*/) {
+        for (std::array<float, 3>& normal : part) normal = unpack_normal(pack_normal(normal));
+      });
 }
 
 }  // namespace splatlas

@@ -246,34 +246,63 @@ StructureCrop crop_around(const IndexBox& box) {
   return empty_crop(widened(box, SmoothGradient::kRadius - 1));  // empty_crop() adds one voxel on every side
 }
 
+namespace {
+
+/// Normals against gradients, packed in order.
+class NormalPacker {
+ public:
+  explicit NormalPacker(const Grid& grid) : of_grid_(grid) {}
+
+  void add(const Vec3f& gradient) {
+    const Vec3f inwards = of_grid_.to_lps(gradient);
+    pending_.push_back({-inwards[0], -inwards[1], -inwards[2]});
+    if (pending_.size() == kAtOnce) pack();
+  }
+  [[nodiscard]] std::vector<PackedNormal> finish() {
+    pack();
+    return std::move(packed_);
+  }
+
+ private:
+  static constexpr std::size_t kAtOnce = 1024;
+  void pack() {
+    const std::vector<PackedNormal> codes = pack_normals(pending_);
+    packed_.insert(packed_.end(), codes.begin(), codes.end());
+    pending_.clear();
+  }
+
+  VoxelNormals of_grid_;
+  std::vector<Vec3f> pending_;
+  std::vector<PackedNormal> packed_;
+};
+
+}  // namespace
+
 std::vector<PackedNormal> fit_normals(const StructureCrop& crop, std::span<const Run> runs,
                                       const Grid& grid) {
-  const VoxelNormals voxel_normals(grid);
-  std::vector<PackedNormal> normals;
+  NormalPacker normals(grid);
   SmoothGradient gradient(crop);
   RunsBySlice slices{kEmptyClass, runs};
   for (std::int64_t k = 0; k < crop.size[2] && !slices.left.empty(); ++k) {
     gradient.next_slice();
-    slices.visit_slice(k, crop, grid.size[1], [&](std::int64_t i, std::int64_t j) {
-      normals.push_back(voxel_normals.normal(gradient.at(i, j)));
-    });
+    slices.visit_slice(k, crop, grid.size[1],
+                       [&](std::int64_t i, std::int64_t j) { normals.add(gradient.at(i, j)); });
   }
-  return normals;
+  return normals.finish();
 }
 
 std::vector<PackedNormal> fit_sparse_normals(const PartRows& rows, std::span<const Run> runs,
                                              const Grid& grid) {
-  const VoxelNormals voxel_normals(grid);
-  std::vector<PackedNormal> normals;
+  NormalPacker normals(grid);
   SparseGradient gradient(rows);
   for (const Run& run : runs) {
     check_task();
     const auto scanline = static_cast<std::int64_t>(run.scanline);
     const std::int64_t j = scanline % grid.size[1], k = scanline / grid.size[1];
     for (std::uint32_t n = 0; n < run.length; ++n)
-      normals.push_back(voxel_normals.normal(gradient.at(std::int64_t{run.start} + n, j, k)));
+      normals.add(gradient.at(std::int64_t{run.start} + n, j, k));
   }
-  return normals;
+  return normals.finish();
 }
 
 StructureIndex normal_owner(std::span<const Membership> members) {
