@@ -72,12 +72,13 @@ class MeshClipper {
       : grid_(grid), to_mm_(index_to_lps_mm(grid)), to_index_(lps_mm_to_index(grid)) {}
 
   Result<ClippedMesh> clip(const TriangleMesh& mesh) {
-    const auto normals = mesh.normals_lps.empty() ? vertex_normals(mesh) : mesh.normals_lps;
-    for (const auto& triangle : mesh.triangles) {
+    const auto normals = mesh.normals_lps.empty() ? corner_normals(mesh) : std::vector<CornerNormals>();
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       Polygon polygon;
-      for (const std::uint32_t v : triangle) {
-        Corner corner{to_index_.apply(mesh.positions_lps_mm[v]), normals[v]};
-        polygon.push_back(corner);
+      for (std::size_t n = 0; n < 3; ++n) {
+        const std::uint32_t v = mesh.triangles[t][n];
+        polygon.push_back({to_index_.apply(mesh.positions_lps_mm[v]),
+                           normals.empty() ? mesh.normals_lps[v] : normals[t][n]});
       }
       total_area_ += area_of(polygon);
       clip_to_grid(polygon);

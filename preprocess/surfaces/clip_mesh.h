@@ -19,7 +19,7 @@ struct ClippedMesh {
 
 /// Clips triangles at the border of the grid (Sutherland and Hodgman 1974), alike at shared edges, and finds
 /// the voxels that they cross. In the plane between two voxels, that is the upper one. Uses the normals of
-/// the file or vertex_normals(), interpolated linearly at cuts. kLimit above 2^26 crossings of a triangle and
+/// the file or corner_normals(), interpolated linearly at cuts. kLimit above 2^26 crossings of a triangle and
 /// a voxel, to which the cost is linear.
 [[nodiscard]] Result<ClippedMesh> clip_mesh(const TriangleMesh& mesh, const Grid& grid);
 

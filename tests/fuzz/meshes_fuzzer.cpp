@@ -22,8 +22,9 @@ void check_mesh(const TriangleMesh& mesh) {
       for (const double mm : mesh.positions_lps_mm[corner]) require(std::abs(mm) <= 1e9, "a corner far away");
     }
   }
-  for (const auto& normal : vertex_normals(mesh)) {
-    for (const float n : normal) require(std::abs(n) <= 1.0001f, "an invalid normal");
+  for (const CornerNormals& normals : corner_normals(mesh)) {
+    for (const auto& normal : normals)
+      for (const float n : normal) require(std::abs(n) <= 1.0001f, "an invalid normal");
   }
 }
 

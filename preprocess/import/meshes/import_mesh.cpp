@@ -8,6 +8,7 @@
 #include <regex>
 #include <span>
 #include <string>
+#include <utility>
 
 #include <vtkCellArray.h>
 #include <vtkDataArray.h>
@@ -288,20 +289,53 @@ void to_lps(TriangleMesh& mesh, MeshFrame frame) {
   for (std::array<float, 3>& normal : mesh.normals_lps) normal = {-normal[0], -normal[1], normal[2]};
 }
 
-std::vector<std::array<float, 3>> vertex_normals(const TriangleMesh& mesh) {
-  std::vector<Vec3> sums(mesh.positions_lps_mm.size(), Vec3{0, 0, 0});
-  for (const auto& [a, b, c] : mesh.triangles) {
+std::vector<CornerNormals> corner_normals(const TriangleMesh& mesh) {
+  struct Side {
+    std::uint32_t low, high;        // vertices
+    std::uint32_t at_low, at_high;  // their corners: three times the triangle, and 0 to 2
+    auto operator<=>(const Side&) const = default;
+  };
+  std::vector<Side> sides;
+  std::vector<Vec3> sums;                // [corner], of those that share its normal
+  std::vector<std::uint32_t> shared_by;  // [corner]: an earlier one with the same normal, or itself
+  for (const auto& triangle : mesh.triangles) {
     const auto& at = mesh.positions_lps_mm;
-    const Vec3 normal = cross(difference(at[b], at[a]), difference(at[c], at[a]));
-    for (const std::uint32_t vertex : {a, b, c}) {
-      for (std::size_t n = 0; n < 3; ++n) sums[vertex][n] += normal[n];
+    const Vec3& first = at[triangle[0]];
+    const auto corner = static_cast<std::uint32_t>(sums.size());
+    sums.insert(sums.end(), 3, cross(difference(at[triangle[1]], first), difference(at[triangle[2]], first)));
+    for (std::uint32_t n = 0; n < 3; ++n) {
+      const std::uint32_t next = (n + 1) % 3, from = triangle[n], to = triangle[next];
+      shared_by.push_back(corner + n);
+      sides.push_back(from < to ? Side{from, to, corner + n, corner + next}
+                                : Side{to, from, corner + next, corner + n});
     }
   }
-  std::vector<std::array<float, 3>> normals(sums.size());
-  for (std::size_t p = 0; p < sums.size(); ++p) {
-    const double length = std::hypot(sums[p][0], sums[p][1], sums[p][2]);
-    for (std::size_t n = 0; n < 3; ++n)
-      normals[p][n] = length > 0 ? static_cast<float>(sums[p][n] / length) : 0.f;
+  const auto root = [&](std::uint32_t corner) {
+    while (shared_by[corner] != corner) corner = shared_by[corner] = shared_by[shared_by[corner]];
+    return corner;
+  };
+  std::ranges::sort(sides);
+  for (std::size_t n = 1; n < sides.size(); ++n) {
+    const Side &a = sides[n - 1], &b = sides[n];
+    const Vec3 &u = sums[a.at_low], &v = sums[b.at_low];
+    constexpr double kCosine = 0.5;  // of 60 degrees
+    if (a.low != b.low || a.high != b.high || dot(u, v) < kCosine * std::sqrt(dot(u, u) * dot(v, v)))
+      continue;
+    for (const auto& [c, d] : {std::pair(a.at_low, b.at_low), std::pair(a.at_high, b.at_high)}) {
+      const auto [least, greatest] = std::minmax({root(c), root(d)});
+      shared_by[greatest] = least;
+    }
+  }
+  for (std::uint32_t corner = 0; corner < sums.size(); ++corner) {
+    const std::uint32_t first = root(corner);
+    for (std::size_t a = 0; first != corner && a < 3; ++a) sums[first][a] += sums[corner][a];
+  }
+  std::vector<CornerNormals> normals(mesh.triangles.size());
+  for (std::uint32_t corner = 0; corner < sums.size(); ++corner) {
+    const Vec3& sum = sums[root(corner)];
+    const double length = std::sqrt(dot(sum, sum));
+    for (std::size_t a = 0; a < 3; ++a)
+      normals[corner / 3][corner % 3][a] = length > 0 ? static_cast<float>(sum[a] / length) : 0.f;
   }
   return normals;
 }

@@ -56,8 +56,12 @@ struct MeshFile {
 /// Turns coordinates and normals of a frame to LPS. RAS to LPS is a rotation around z: the winding stays.
 void to_lps(TriangleMesh& mesh, MeshFrame frame);
 
-/// Vertex normals: area-weighted means of the adjacent triangles' normals.
-[[nodiscard]] std::vector<std::array<float, 3>> vertex_normals(const TriangleMesh& mesh);
+/// [corner of a triangle].
+using CornerNormals = std::array<std::array<float, 3>, 3>;
+
+/// [triangle]: area-weighted means of the normals of the triangles around a vertex, up to edges that turn the
+/// surface by more than 60 degrees. Without the normals of the file. Cost: a sort of the edges.
+[[nodiscard]] std::vector<CornerNormals> corner_normals(const TriangleMesh& mesh);
 
 /// One --mesh option.
 struct MeshSource {

@@ -67,7 +67,7 @@ Result<Affine> read_transform(const fs::path& path) {
   return affine;
 }
 
-/// Moves positions. Normals are dropped: vertex_normals() derives them from the moved triangles.
+/// Moves positions. Normals are dropped: corner_normals() derives them from the moved triangles.
 void apply(const Affine& transform, TriangleMesh& mesh) {
   for (Vec3& position : mesh.positions_lps_mm) position = transform.apply(position);
   mesh.normals_lps.clear();

@@ -141,6 +141,34 @@ TEST(ClipMesh, NormalsAreTheFilesAndAreInterpolated) {
   EXPECT_TRUE(found);
 }
 
+/// A cube of 8 vertices and 12 triangles keeps its triangles. Each face has 4 vertices of its own.
+TEST(ClipMesh, TheFacesOfACubeKeepTheirNormals) {
+  constexpr std::size_t kEdge = 209;
+  TriangleMesh cube;
+  for (std::uint32_t v = 0; v < 8; ++v) {
+    const auto at = [&](std::uint32_t axis) { return (v >> axis & 1) != 0 ? kEdge + 0.25 : 0.25; };
+    cube.positions_lps_mm.push_back({at(0), at(1), at(2)});
+  }
+  for (std::uint32_t axis = 0; axis < 3; ++axis) {
+    const std::uint32_t u = 1u << (axis + 1) % 3, v = 1u << (axis + 2) % 3, far = 1u << axis;
+    cube.triangles.insert(cube.triangles.end(), {{0, v, u}, {u, v, u + v}});
+    cube.triangles.insert(cube.triangles.end(), {{far, far + u, far + v}, {far + u, far + u + v, far + v}});
+  }
+  const auto clipped = clip_mesh(cube, {.size = {kEdge + 3, kEdge + 3, kEdge + 3}});
+  ASSERT_TRUE(clipped);
+  EXPECT_EQ(clipped->surface.triangles.size(), 12u);
+  EXPECT_EQ(clipped->crossed.size(), (kEdge + 1) * (kEdge + 1) * 6 - 12 * (kEdge + 1) + 8);
+  ASSERT_EQ(clipped->surface.positions_ijk.size(), 24u);
+  for (std::size_t v = 0; v < 24; ++v) {
+    const auto& position = clipped->surface.positions_ijk[v];
+    const auto& normal = clipped->surface.normals_lps[v];
+    const auto axis = static_cast<std::size_t>(std::ranges::find_if(normal, [](float n) { return n != 0; }) -
+                                               normal.begin());
+    EXPECT_EQ(std::ranges::count(normal, 0.f), 2);
+    EXPECT_EQ(normal[axis], position[axis] > 1 ? 1.f : -1.f);
+  }
+}
+
 TEST(ClipMesh, MillimetresBecomeIndices) {
   Grid grid = awkward_grid(0.2);
   grid.size = {9, 9, 9};

@@ -16,7 +16,8 @@ using Contour = std::vector<Vec3>;
 /// A structure of the file, with its contours in LPS mm.
 struct Region {
   std::int64_t number = 0;
-  std::vector<Contour> contours;
+  std::vector<Contour> contours;  ///< closed ones
+  bool has_open = false;          ///< points or open contours
 };
 
 /// The points of a contour; none if they are no triples of numbers.
@@ -40,15 +41,14 @@ Result<void> read_contours_of(DcmItem& item, const std::filesystem::path& path, 
     const auto channel = [](double c) { return static_cast<std::uint8_t>(std::clamp(c, 0.0, 255.0)); };
     structure.color = Rgb{channel((*rgb)[0]), channel((*rgb)[1]), channel((*rgb)[2])};
   }
-  bool has_open = false;
   for (DcmItem* const one : items_in(item, DCM_ContourSequence)) {
     if (!text_in(*one, DCM_ContourGeometricType).starts_with("CLOSED")) {
-      has_open = true;
+      region.has_open = true;
     } else if (region.contours.push_back(points_in(*one)); region.contours.back().empty()) {
       return bad_file(path, "has a contour of {} without points (ContourData); get it again", structure.name);
     }
   }
-  if (has_open) notes.add("open-contours", structure.name);
+  if (region.has_open) notes.add("open-contours", structure.name);
   return {};
 }
 
@@ -59,7 +59,7 @@ Result<std::vector<Region>> read_regions(const std::filesystem::path& path, Sour
   static_cast<void>(dataset.convertToUTF8());  // names that are no UTF-8 afterwards are replaced
   std::vector<Region> regions;
   for (DcmItem* const item : items_in(dataset, DCM_StructureSetROISequence)) {
-    regions.push_back({integer_in(*item, DCM_ROINumber).value_or(-1), {}});
+    regions.push_back({.number = integer_in(*item, DCM_ROINumber).value_or(-1), .contours = {}});
     image.segments.push_back(named_segment(text_in(*item, DCM_ROIName), std::ssize(regions), image.notes));
   }
   if (regions.empty() || regions.size() > 65535)
@@ -158,11 +158,17 @@ std::vector<SliceMask> masks_of(const Planes& planes, const Grid& grid) {
 
 Result<SourceImage> read_contours(const std::filesystem::path& path, const std::optional<Grid>& grid) {
   if (!grid)
-    return bad_file(path, "holds contours without a grid; give their series as --volume, or lay it beside");
+    return bad_file(path,
+                    "holds contours without a grid; give their series as --volume, or the folder of both");
   SourceImage image;
   image.is_segmentation = true;
   image.grid = *grid;
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<Region> regions, read_regions(path, image));
+  // Told by their note. An isocentre is a point.
+  std::erase_if(image.segments, [&](const SourceSegment& segment) {
+    const Region& region = regions[static_cast<std::size_t>(segment.value - 1)];
+    return region.has_open && region.contours.empty();
+  });
   MaskLayers<std::uint16_t> layers(image.grid);
   for (SourceSegment& segment : image.segments) {
     const Region& region = regions[static_cast<std::size_t>(segment.value - 1)];

@@ -210,6 +210,13 @@ Result<SourceImage> read_nrrd(const fs::path& path, const ImageOptions& /*option
       return bad_file(path, "puts segment '{}' into layer {}, but it has {} layers", segment.structure.name,
                       segment.layer, image.layers);
     }
+    std::set<std::pair<std::size_t, std::int64_t>> values;
+    std::erase_if(image.segments, [&](const SourceSegment& segment) {
+      const bool is_new = values.emplace(segment.layer, segment.value).second;
+      if (!is_new)
+        image.notes.add("repeated-values", fmt::format("{} ({})", segment.structure.name, segment.value));
+      return !is_new;
+    });
     return image;
   });
 }

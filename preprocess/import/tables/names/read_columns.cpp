@@ -53,19 +53,23 @@ bool recognise_bids(std::string_view head) {
 }
 
 // FSL's atlases: <label index="0" x="1" y="2" z="3">name</label>. Indices of probabilistic ones count maps
-// from 0; their label map counts from 1.
+// from 0; their label map counts from 1. Julich's: <Structure grayvalue="1">name</Structure>.
 
 Result<void> read_fsl(const NamesInput& input, NamesCollector& into) {
   const auto atlas = parse_xml(input.text);
-  vtkXMLDataElement* const data = atlas == nullptr ? nullptr : atlas->FindNestedElementWithName("data");
-  if (data == nullptr) return input.refuse("is no whole XML with labels in its <data>; get the file again");
+  vtkXMLDataElement* data = nullptr;
+  for (const char* const list : {"data", "Structures"})
+    if (atlas != nullptr && data == nullptr) data = atlas->FindNestedElementWithName(list);
+  if (data == nullptr) {
+    return input.refuse("is no whole XML with labels in its <data> or <Structures>; get the file again");
+  }
   const bool counts_maps = to_lower(input.text).find("<type>prob") != std::string::npos;
   for (int n = 0; n < data->GetNumberOfNestedElements(); ++n) {
     vtkXMLDataElement* const label = data->GetNestedElement(n);
     LabelName name;
     name.line = static_cast<std::size_t>(n) + 1;
     name.name = text_of(label);
-    if (const auto value = parse_label(attribute(*label, "index"))) {
+    if (const auto value = parse_label(attribute(*label, "index") + attribute(*label, "grayvalue"))) {
       into.add(fmt::to_string(*value + (counts_maps ? 1 : 0)), std::move(name));
     } else {
       into.add_fault(name.line, fmt::format("{} has no index", in_quotes(name.name)));
@@ -81,8 +85,8 @@ const Dialect kCsvNames{
 const Dialect kBidsNames{{NamesFormat::kBids, "bids", "BIDS segmentation table"}, recognise_bids, read_csv};
 const Dialect kFslNames{{NamesFormat::kFsl, "fsl", "FSL atlas"},
                         [](std::string_view head) {
-                          return head.find("<atlas") != std::string_view::npos &&
-                                 head.find("<label") != std::string_view::npos;
+                          const auto has = [&](const char* text) { return head.find(text) != head.npos; };
+                          return (has("<atlas") && has("<label")) || (has("<Structure ") && has("grayvalue"));
                         },
                         read_fsl};
 

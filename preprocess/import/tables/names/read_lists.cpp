@@ -29,7 +29,7 @@ struct ListShape {
   enum class Colors { kNone, kFirst, kLast } colors = Colors::kNone;
   std::size_t numbers = 0;     ///< R G B, and A or further ones
   bool leaves_number = false;  ///< to the name: "T 1 0.8 0.2 0.1"
-  bool is_doubtful = false;    ///< that number may be red as well
+  bool is_doubtful = false;    ///< it may be of the name or red
 };
 
 bool is_finite_number(std::string_view word) {
@@ -93,9 +93,9 @@ bool are_alphas(const std::vector<double>& values) {
   return least == most || (least >= 0 && most <= 1) || 2 * full > std::ssize(values);
 }
 
-/// Leaves the first of the numbers behind the name to it, if it is whole in all rows and fractions follow. It
-/// is no red if it exceeds 1, or if the names would be equal without it. It is red if the last is an opacity,
-/// as 1 is.
+/// Leaves the first of the numbers behind the name to it, if it is whole in all rows and numbers from 0 to 1
+/// follow. It is no red if it exceeds 1, or if the names would be equal without it. It is red if the last is
+/// an opacity, as 1 is. Whole numbers alone leave a doubt, unless that opacity is 1.
 void leave_number(std::span<const ListRow* const> rows, const std::vector<double>& alphas, ListShape& shape) {
   std::set<std::string_view> names;
   double most = 0, most_behind = 0;
@@ -113,11 +113,16 @@ void leave_number(std::span<const ListRow* const> rows, const std::vector<double
     }
   }
   const bool are_equal = names.size() < rows.size();
+  if (!(most_behind > 0 && most_behind <= 1)) return;
+  const auto [least, greatest] = std::ranges::minmax(alphas);
+  const bool are_whole = !has_fractions && !are_equal;
   const bool is_opacity = std::ranges::none_of(alphas, [](double a) { return std::floor(a) != a; }) ||
-                          (alphas.size() > 1 && std::ranges::min(alphas) == std::ranges::max(alphas));
-  if (!(most_behind > 0 && most_behind <= 1) || !(has_fractions || are_equal) || (most <= 1 && is_opacity))
-    return;
-  shape = {shape.colors, shape.numbers - 1, true, most <= 1 && !are_equal};
+                          (alphas.size() > 1 && least == greatest);
+  const bool is_red = most > 1 ? are_whole && least == 1 && rows.size() > 1 : is_opacity;
+  shape.is_doubtful = most > 1 || is_red ? are_whole && (most > 1 || least < 1) : !are_equal;
+  if (is_red) return;
+  --shape.numbers;
+  shape.leaves_number = true;
 }
 
 /// The shape with colours at `place`: R G B, A, type behind the name; R G B, A, visible and mesh ahead of it.
@@ -199,7 +204,10 @@ Result<void> read_color_rows(const NamesInput& input, ListShape::Colors place, c
     return input.refuse(fmt::format("line {}: {} is not: {}; correct it, or give another --names-format",
                                     lines.front().number, in_quotes(lines.front().text), layout));
   }
-  if (shape.is_doubtful) into.add_note("names-or-red", rows.front().line, rows.front().text);
+  if (shape.is_doubtful) {
+    into.add_note(shape.leaves_number ? "names-or-red" : "red-or-names", rows.front().line,
+                  rows.front().text);
+  }
   std::vector<std::string> colors;
   for (const ListRow& row : rows) {
     const auto channels = channels_of(row, shape);

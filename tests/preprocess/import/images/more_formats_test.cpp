@@ -150,13 +150,16 @@ TEST_F(MoreFormats, RefusesFilesCompressedTwice) {
   refuses("a.nii.gz", deflated(deflated(nifti(), true), true), "is compressed twice; gunzip it once");
 }
 
-/// Scripts leave gaps between segments, begin at 1, leave out ids, and write colours to 255.
+/// Scripts leave gaps between segments, begin at 1, leave out ids, repeat values, and write colours to 255.
 TEST_F(MoreFormats, ReadsSegmentsOfScripts) {
   const SourceImage image = source(
       "a.seg.nrrd", nrrd_header("raw",
                                 "Segment1_Name:=liver\nSegment1_LabelValue:=1\nSegment1_Color:=204 51 26\n"
-                                "Segment7_ID:=b\nSegment7_LabelValue:=3\nSegment7_Color:=1 0 0\n") +
+                                "Segment7_ID:=b\nSegment7_LabelValue:=3\nSegment7_Color:=1 0 0\n"
+                                "Segment8_Name:=lobe\nSegment8_LabelValue:=1\n") +
                         RawImage::payload());
+  ASSERT_EQ(image.notes.all().size(), 1u);
+  EXPECT_THAT(image.notes.all()[0].message(), HasSubstr("and is dropped: lobe (1)"));
   ASSERT_EQ(image.segments.size(), 2u);
   EXPECT_EQ(image.segments[0].structure.name, "liver");
   EXPECT_EQ(image.segments[0].structure.color, (Rgb{204, 51, 26}));

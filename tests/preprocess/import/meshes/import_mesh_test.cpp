@@ -1,6 +1,7 @@
 #include "preprocess/import/meshes/import_mesh.h"
 
 #include <cmath>
+#include <numbers>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -37,6 +38,9 @@ class ImportMesh : public testing::Test {
 
 constexpr const char* kSquareObj = "# a square\nv 0 0 1\nv 2 0 1\nv 2 3 1\nv 0 3 1\nf 1 2 3 4\n";
 
+constexpr std::array<float, 3> kUp{0, 0, 1};
+constexpr CornerNormals kUpwards{kUp, kUp, kUp};
+
 std::string binary_stl(std::uint32_t triangles, std::uint32_t promised) {
   std::string bytes(80, ' ');
   bytes.append(reinterpret_cast<const char*>(&promised), 4);
@@ -55,7 +59,7 @@ TEST_F(ImportMesh, PolygonsBecomeTriangles) {
   ASSERT_EQ(mesh->triangles.size(), 2u);
   EXPECT_EQ(mesh->dropped, 0u);
   EXPECT_TRUE(mesh->normals_lps.empty());
-  for (const auto& normal : vertex_normals(*mesh)) EXPECT_EQ(normal, (std::array<float, 3>{0, 0, 1}));
+  for (const CornerNormals& normals : corner_normals(*mesh)) EXPECT_EQ(normals, kUpwards);
 }
 
 TEST_F(ImportMesh, ObjNeedsNeitherTexturesNorNormals) {
@@ -88,7 +92,29 @@ TEST_F(ImportMesh, RasIsTurnedAndKeepsItsOutside) {
   const auto mesh = import_bytes("a.obj", kSquareObj, MeshFrame::kRas);
   ASSERT_TRUE(mesh);
   EXPECT_EQ(mesh->positions_lps_mm[2], (Vec3{-2, -3, 1}));
-  for (const auto& normal : vertex_normals(*mesh)) EXPECT_EQ(normal, (std::array<float, 3>{0, 0, 1}));
+  for (const CornerNormals& normals : corner_normals(*mesh)) EXPECT_EQ(normals, kUpwards);
+}
+
+/// Two triangles of equal areas at the x axis, the second turned around it.
+TriangleMesh folded(double degrees) {
+  const double angle = degrees * std::numbers::pi / 180;
+  TriangleMesh mesh;
+  mesh.positions_lps_mm = {{0, 0, 0}, {2, 0, 0}, {1, 1, 0}, {1, -std::cos(angle), -std::sin(angle)}};
+  mesh.triangles = {{0, 1, 2}, {1, 0, 3}};
+  return mesh;
+}
+
+TEST_F(ImportMesh, NormalsEndAtEdgesAbove60Degrees) {
+  // The normal of the second triangle is (0, -sin, cos); the mean of both has half of the angle.
+  for (const double degrees : {59.0, 61.0}) {
+    const double shared = degrees < 60 ? degrees / 2 * std::numbers::pi / 180 : 0;
+    const std::vector<CornerNormals> normals = corner_normals(folded(degrees));
+    EXPECT_EQ(normals[0][2], kUp);
+    for (const std::size_t corner : {0u, 1u}) {
+      EXPECT_NEAR(normals[0][corner][1], -std::sin(shared), 1e-6) << degrees;
+      EXPECT_NEAR(normals[0][corner][2], std::cos(shared), 1e-6) << degrees;
+    }
+  }
 }
 
 TEST_F(ImportMesh, ReadsWhatItWrites) {

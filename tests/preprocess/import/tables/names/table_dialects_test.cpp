@@ -94,6 +94,10 @@ TEST_F(TableDialects, ReadsFslsAtlases) {
   EXPECT_THAT(items("faulty-rows"), ElementsAre("names.txt entry 3: \"D\" has no index"));
   EXPECT_THAT(summaries(names("<atlas><type>Probabilistic</type>" + labels("C"), NamesFormat::kFsl)),
               ElementsAre("1 A & B", "5 C"));
+  EXPECT_THAT(summaries(names("<?xml version='1.0'?><J><Structures><Structure id='7' grayvalue='3'>Area "
+                              "(hOc1)</Structure></Structures></J>",
+                              NamesFormat::kFsl)),
+              ElementsAre("3 Area (hOc1)"));
 }
 
 TEST_F(TableDialects, ReadsTermsOfOtherVocabularies) {

@@ -117,7 +117,9 @@ TEST_F(TextDialects, ReadsNamesThatEndInANumberBeforeFractions) {
     const auto list = names(text, NamesFormat::kCtbl);
     EXPECT_EQ(summary(list.front()), parts[1]);
     EXPECT_EQ(summary(list.back()), parts[2]);
-    EXPECT_EQ(items("names-or-red").size(), parts.size() - 3) << line;
+    const std::size_t reds = line.ends_with("red") ? 1 : 0;
+    EXPECT_EQ(items("names-or-red").size(), parts.size() - 3 - reds) << line;
+    EXPECT_EQ(items("red-or-names").size(), reds) << line;
   }
   names("1 T 1 0.8 0.2 0.1\n", NamesFormat::kCtbl);
   EXPECT_THAT(messages_of(notes_)[0],
