@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <iterator>
 
 namespace splatlas {
 namespace {
@@ -48,7 +49,7 @@ std::array<float, 3> octahedron_point(PackedNormal packed) {
 }
 
 /// The codes of a block of vectors, all of them finite and not zero. No branches, so that compilers use
-/// vectors; the operations are those of pack_normal() and unpack_normal(), in their order.
+/// vectors; the operations are those of pack_normal(), in their order.
 class NormalBlock {
  public:
   static constexpr std::size_t kSize = 64;
@@ -59,19 +60,6 @@ class NormalBlock {
     choose();
   }
   [[nodiscard]] PackedNormal code(std::size_t n) const { return pack_codes(best_[0][n], best_[1][n]); }
-
-  /// Replaces vectors by those of their codes.
-  void unpack(std::span<std::array<float, 3>> normals) const {
-    std::array<Lanes, 3> unit;
-    for (std::size_t n = 0; n < kSize; ++n) {
-      const auto [x, y, z] = octahedron_point(best_[0][n] / kScale, best_[1][n] / kScale);
-      const float length = std::sqrt(x * x + y * y + z * z);
-      unit[0][n] = x / length;
-      unit[1][n] = y / length;
-      unit[2][n] = z / length;
-    }
-    for (std::size_t n = 0; n < normals.size(); ++n) normals[n] = {unit[0][n], unit[1][n], unit[2][n]};
-  }
 
  private:
   using Lanes = std::array<float, kSize>;
@@ -178,46 +166,28 @@ std::array<float, 3> unpack_normal(PackedNormal packed) {
   return {x / length, y / length, z / length};
 }
 
-namespace {
-
-/// Calls take(first, block) for blocks of vectors that all have directions, and otherwise(first, part).
-template <typename Vectors, typename Take, typename Otherwise>
-void for_each_block(const Vectors& normals, const Take& take, const Otherwise& otherwise) {
+std::vector<PackedNormal> pack_normals(std::span<const std::array<float, 3>> normals) {
+  std::vector<PackedNormal> packed;
+  packed.reserve(normals.size());
   for (std::size_t first = 0; first < normals.size(); first += NormalBlock::kSize) {
     const auto part = normals.subspan(first, std::min(NormalBlock::kSize, normals.size() - first));
     const bool all_have_directions = std::ranges::all_of(part, [](const std::array<float, 3>& n) {
       const float sum = std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]);
       return sum > 0 && std::isfinite(sum);
     });
-    if (all_have_directions) {
-      take(part, first, NormalBlock(part));
-    } else {
-      otherwise(part, first);
+    if (!all_have_directions) {
+      std::transform(part.begin(), part.end(), std::back_inserter(packed), pack_normal);
+      continue;
     }
+    const NormalBlock block(part);
+    for (std::size_t n = 0; n < part.size(); ++n) packed.push_back(block.code(n));
   }
-}
-
-}  // namespace
-
-std::vector<PackedNormal> pack_normals(std::span<const std::array<float, 3>> normals) {
-  std::vector<PackedNormal> packed(normals.size());
-  for_each_block(
-      normals,
-      [&](auto part, std::size_t first, const NormalBlock& block) {
-        for (std::size_t n = 0; n < part.size(); ++n) packed[first + n] = block.code(n);
-      },
-      [&](auto part, std::size_t first) {
-        for (std::size_t n = 0; n < part.size(); ++n) packed[first + n] = pack_normal(part[n]);
-      });
   return packed;
 }
 
 void round_normals(std::span<std::array<float, 3>> normals) {
-  for_each_block(
-      normals, [](auto part, std::size_t /*first*/, const NormalBlock& block) { block.unpack(part); },
-      [](auto part, std::size_t /*first*/) {
-        for (std::array<float, 3>& normal : part) normal = unpack_normal(pack_normal(normal));
-      });
+  const std::vector<PackedNormal> packed = pack_normals(normals);
+  std::transform(packed.begin(), packed.end(), normals.begin(), unpack_normal);
 }
 
 }  // namespace splatlas

@@ -31,46 +31,6 @@ struct ClassCache::Missing {
 
 namespace {
 
-/// Calls take(voxel of the grid, index among the class's voxels in memory order, voxels) for each run of a
-/// class along the z or the y axis. Scanlines of both axes run along x. Traversal order along y differs from
-/// memory order: a counting sort by plane finds the index of each run.
-template <typename Take>
-void for_each_in_memory(const ClassRuns& runs, Axis axis, const Index3& size, const Take& take) {
-  const auto row_voxels = static_cast<std::uint64_t>(size[0]);
-  TaskPace pace;
-  if (axis == Axis::kZ) {
-    std::size_t place = 0;
-    for (const Run& run : runs) {
-      pace.step();
-      take(run.scanline * row_voxels + run.start, place, run.length);
-      place += run.length;
-    }
-    return;
-  }
-  if (runs.empty()) return;
-
-  // Count the voxels of each plane k, of which each slice j has one row
-  const auto rows = static_cast<std::uint64_t>(size[2]);
-  const auto slices = static_cast<std::uint64_t>(size[1]);
-  const auto for_each = [&](const auto& each) {
-    std::uint64_t slice = runs.front().scanline / rows;
-    for (const Run& run : runs) {
-      pace.step();
-      while (run.scanline >= (slice + 1) * rows) ++slice;
-      each(run, slice, run.scanline - slice * rows);
-    }
-  };
-  std::vector<std::size_t> next(rows + 1);  // index of the next run in each plane
-  for_each([&](const Run& run, std::uint64_t, std::uint64_t k) { next[k + 1] += run.length; });
-  for (std::size_t k = 1; k <= rows; ++k) next[k] += next[k - 1];
-
-  // Visit the runs at their prefix sums
-  for_each([&](const Run& run, std::uint64_t slice, std::uint64_t k) {
-    take((k * slices + slice) * row_voxels + run.start, next[k], run.length);
-    next[k] += run.length;
-  });
-}
-
 /// Removes the classes of failed groups from a plan and its voxel counts, and adds them to `missing`.
 void leave_out_groups(const std::map<std::uint32_t, Error>& failed, const ValueGroups& groups,
                       const ClassTable& classes, DrawPlan& plan,
@@ -224,24 +184,27 @@ void ClassCache::keep_runs(std::span<const std::pair<ClassId, const ClassRuns*>>
   }
 }
 
-/// Values and normals are stored in memory order; the runs along z or y give their voxels.
+/// Values and normals are stored in memory order; the runs along z give their voxels.
 Result<void> ClassCache::decode(Missing& missing, Axis axis) const {
-  if (missing.runs || axis != Axis::kX) {
+  const bool in_order = axis == Axis::kZ;
+  if (missing.runs || in_order) {
     SPLATLAS_ASSIGN_OR_RETURN(missing.read, atlas_->read_runs(missing.id, axis));
   }
   if (!missing.values && !missing.normals) return {};
   ClassRuns z_runs;
-  if (axis == Axis::kX) {
+  if (!in_order) {
     SPLATLAS_ASSIGN_OR_RETURN(z_runs, atlas_->read_runs(missing.id, Axis::kZ));
   }
   const auto scatter = [&](const void* from, std::size_t voxel_bytes, std::byte* to) {
-    check_task();
     const auto* stored = static_cast<const std::byte*>(from);
-    for_each_in_memory(axis == Axis::kX ? z_runs : missing.read, axis == Axis::kX ? Axis::kZ : axis,
-                       atlas_->grid().size, [&](std::uint64_t voxel, std::size_t place, std::size_t count) {
-                         std::memcpy(to + voxel * voxel_bytes, stored + place * voxel_bytes,
-                                     count * voxel_bytes);
-                       });
+    const auto row_voxels = static_cast<std::uint64_t>(atlas_->grid().size[0]);
+    TaskPace pace;
+    for (const Run& run : in_order ? missing.read : z_runs) {
+      pace.step();
+      std::memcpy(to + (run.scanline * row_voxels + run.start) * voxel_bytes, stored,
+                  run.length * voxel_bytes);
+      stored += run.length * voxel_bytes;
+    }
   };
   if (missing.values) {
     SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> values, atlas_->read_values(missing.id));
