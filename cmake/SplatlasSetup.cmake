@@ -42,8 +42,8 @@ endif()
 
 # Instruction sets of kernels, by the names of player/render/simd/simd_choice.h.
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")
-  # NEON with AES. Kernels for SVE do not compile with Debian 12's Highway.
-  add_compile_options(-march=armv8-a+crypto)
+  # NEON with AES. Kernels for SVE do not compile with Debian 12's Highway. Fused operations would change bits.
+  add_compile_options(-march=armv8-a+crypto -ffp-contract=off)
   set(disabled HWY_SVE HWY_SVE2 HWY_SVE_256 HWY_SVE2_128)
 else()
   set(SPLATLAS_SIMD sse4 avx2 avx3 CACHE STRING "Instruction sets of the kernels: sse4, avx2, avx3 (AVX-512)")

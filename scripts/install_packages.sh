@@ -10,8 +10,9 @@ case ${1-} in
   --demo) sets='player|demo' ;;
   --debian) sets='player|demo|python|debian' ;;
   --player) sets=player ;;
+  --arm64) sets=arm64 ;;
   --help | -h) cat install_packages.txt; exit 0 ;;
-  *) printf 'install_packages: %s: must be --demo, --player, --debian or --help\n' "$1" >&2; exit 2 ;;
+  *) printf 'install_packages: %s: must be --demo, --player, --debian, --arm64 or --help\n' "$1" >&2; exit 2 ;;
 esac
 mapfile -t packages < <(awk -v sets="^($sets)\$" '$1 ~ sets { print $2 }' packages.txt)
 

@@ -59,11 +59,22 @@ check_player_alone() {
   scripts/check_layers.sh build/release/bin/splatlas-player
 }
 
+# NEON, its scalar kernels and this machine draw the same bytes.
+check_arm64_pictures() {
+  local of=build/arm64 emulated=(qemu-aarch64-static -L build/arm64-sysroot build/arm64/bin/splatlas-player)
+  build/release/bin/splatlas-phantom-atlas $of/a.atlas
+  draw() { "${@:2}" render $of/a.atlas -o "$of/$1.png" --size 160x120 --select '*:both(opacity=0.5)'; }
+  draw native build/release/bin/splatlas-player
+  draw neon "${emulated[@]}"
+  SPLATLAS_SIMD=scalar draw scalar "${emulated[@]}"
+  cmp $of/native.png $of/neon.png && cmp $of/native.png $of/scalar.png
+}
+
 # Debian 12's thread sanitizer fails on kernels that randomise more address bits than it expects.
 fix_addresses() { ! setarch -R true 2>/dev/null || launcher=(setarch -R); }
 
 readonly layers='^(format|player|reference|preprocess)$'
-readonly programs='^(system|web|batch|faults|installed)$'
+readonly programs='^(system|kernels|web|batch|faults|installed)$'
 [[ $form == all ]] && intensity=3 || intensity=1  # SPLATLAS_TEST_INTENSITY
 
 step "Packages" scripts/install_packages.sh
@@ -72,7 +83,7 @@ step "Layout of the sources" scripts/check_format.sh
 step "Size of the sources" scripts/check_size.sh
 if [[ $form != all ]]; then
   step "Programs and their tests: build" \
-    build_release checks-system checks-web checks-batch checks-faults checks-installed
+    build_release checks-system checks-kernels checks-web checks-batch checks-faults checks-installed
   step "Player without ITK and VTK" check_player_alone
   step "Programs: tests" run_tests release --label-regex "$programs"
 fi
@@ -91,6 +102,11 @@ else
   step "Player without ITK and VTK: build" build player-only
   step "Player without ITK and VTK: tests" run_tests player-only
   step "Player without ITK and VTK" check_player_alone
+  step "arm64: compiler" scripts/install_packages.sh --arm64
+  step "arm64: libraries" scripts/arm64_sysroot.sh
+  step "arm64: build" build arm64 checks-format checks-player checks-kernels splatlas-player
+  step "arm64: tests" run_tests arm64 --label-regex '^(format|player|kernels)$'
+  step "arm64: pictures" check_arm64_pictures
   step "Address and undefined behaviour sanitizers: build" build asan-ubsan
   step "Address and undefined behaviour sanitizers: tests" run_tests asan-ubsan --label-regex "$layers"
   fix_addresses

@@ -3,6 +3,11 @@ _splatlas() {
   local cur prev words cword command=()
   _init_completion -n = || return
   if ((cword > 1)) && [[ ${words[1]} != -* ]] && "$1" "${words[1]}" --help &>/dev/null; then command=("${words[1]}"); fi
+  if [[ $cur == *=* ]]; then  # --labels=FILE, NAME=FILE
+    cur=${cur##*=}
+    _filedir
+    return
+  fi
   if [[ $cur == -* ]]; then
     mapfile -t COMPREPLY < <(compgen -W "$("$1" "${command[@]}" --help | grep -oE '^ +(-[a-z],)?--[a-z-]+' | grep -oE -- '--[a-z-]+')" -- "$cur")
     return

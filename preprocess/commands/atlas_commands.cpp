@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include "format/atlas_reader.h"
 #include "format/io/output_file.h"
@@ -73,7 +74,9 @@ CLI::App* add_export(CLI::App& app, ExportOptions& options) {
       app.add_subcommand("export", "Write the labels, volume, surfaces, names or tree of an atlas");
   command->footer(kExportExamples);
   command->add_option("ATLAS", options.atlas, "atlas file")->required()->check(names_a_file());
-  command->add_option("--labels", options.labels, "label map to write; FOLDER/ for one mask per structure")
+  command
+      ->add_option("--labels", options.labels,
+                   "label map to write; FOLDER/ for one mask per structure; - for NRRD to standard output")
       ->check(names_a_file());
   command->add_option("--volume", options.volume, "grey values to write")->check(names_a_file());
   add_repeated(*command, "--surface", options.surfaces, parse_surface,
@@ -98,13 +101,17 @@ CLI::App* add_export(CLI::App& app, ExportOptions& options) {
 }
 
 Result<void> run_export(const ExportOptions& options) {
+  const bool is_stream = options.labels == "-";
+  if (is_stream && ::isatty(STDOUT_FILENO) != 0)
+    return fail(ErrorCode::kUsage, "--labels -: standard output is a terminal; redirect it: > labels.nrrd");
   rlimit open_files{};  // all outputs are open until they are named
   ::getrlimit(RLIMIT_NOFILE, &open_files);
   open_files.rlim_cur = open_files.rlim_max;
   ::setrlimit(RLIMIT_NOFILE, &open_files);
   SPLATLAS_ASSIGN_OR_RETURN(const ExportedFiles files, export_atlas(options));
+  if (is_stream) SPLATLAS_RETURN_IF_ERROR(print_bytes(files.stream));
   for (const std::string& line : files.written)
-    SPLATLAS_RETURN_IF_ERROR(print_text(PrintableText("{}\n", line)));
+    if (!is_stream) SPLATLAS_RETURN_IF_ERROR(print_text(PrintableText("{}\n", line)));
   for (const std::string& note : files.notes) print_to(stderr, PrintableText("note: {}\n", note));
   if (files.failures.empty()) return {};
   Error error = files.failures.front();

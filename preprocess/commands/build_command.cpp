@@ -1,6 +1,11 @@
 #include <algorithm>
+#include <cstdio>
+#include <optional>
+#include <span>
 
 #include <CLI/CLI.hpp>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "format/io/output_file.h"
 #include "format/program/command_options.h"
@@ -44,7 +49,8 @@ void add_sources(CLI::App& build, SourceFiles& sources) {
             for (std::size_t n = 1; n < texts.size(); ++n)
               sources.more_labels.push_back(parse_labels(texts[n]));
           },
-          "FILE: label map, segmentation, or folder of masks; or NAME=FILE, below a group (repeatable)")
+          "FILE: label map, segmentation, or folder of masks; - for standard input; or NAME=FILE, below a "
+          "group (repeatable)")
       ->allow_extra_args(false)
       ->check(names_a_file());
   build.add_flag("--as-labels", sources.as_labels,
@@ -89,6 +95,32 @@ void add_sources(CLI::App& build, SourceFiles& sources) {
   build.add_flag("--fit-grid", sources.fit_grid, "widen the grid for surfaces that reach beyond it");
   build.add_flag("--allow-empty", sources.allow_empty,
                  "keep named labels without voxels, as empty structures");
+}
+
+/// Copies standard input to a file of `folder`, whose ending says what it holds. It goes with the folder.
+Result<std::filesystem::path> take_standard_input(std::optional<OutputFolder>& folder) {
+  if (::isatty(STDIN_FILENO) != 0)
+    return fail(ErrorCode::kUsage, "--labels -: standard input is a terminal; redirect it: < labels.nrrd");
+  std::vector<char> piece(std::size_t{1} << 20);
+  std::size_t count = std::fread(piece.data(), 1, piece.size(), stdin);
+  const std::string_view start(piece.data(), count);
+  const std::string name = start.starts_with("NRRD")       ? "standard input.nrrd"
+                           : start.starts_with("\x1f\x8b") ? "standard input.nii.gz"
+                                                           : "standard input.nii";
+  const mode_t others = ::umask(0077);  // a folder of this user alone
+  Result<OutputFolder> created =
+      OutputFolder::create(std::filesystem::temp_directory_path() / fmt::format("splatlas-{}", ::getpid()));
+  ::umask(others);
+  SPLATLAS_ASSIGN_OR_RETURN(folder, std::move(created));
+  std::filesystem::path path;
+  SPLATLAS_RETURN_IF_ERROR(folder->add(name, [&](OutputFile& file) -> Result<void> {
+    path = file.temporary();
+    for (; count > 0; count = std::fread(piece.data(), 1, piece.size(), stdin))
+      SPLATLAS_RETURN_IF_ERROR(file.write(std::as_bytes(std::span(piece).first(count))));
+    return {};
+  }));
+  if (std::ferror(stdin) != 0) return fail(ErrorCode::kFailed, "standard input: cannot be read");
+  return path;
 }
 
 Result<void> print_summary(const BuildReport& report, const std::filesystem::path& output) {
@@ -144,6 +176,10 @@ CLI::App* add_build(CLI::App& app, BuildRequest& request) {
 
 Result<void> run_build(const BuildRequest& request) {
   BuildOptions options = request.options;
+  std::optional<OutputFolder> input;
+  if (options.sources.labels == "-") {
+    SPLATLAS_ASSIGN_OR_RETURN(options.sources.labels, take_standard_input(input));
+  }
   ProgressDisplay display(request.progress, stderr);
   options.progress = [&](const BuildProgress& progress) { display.show(progress); };
   std::vector<std::filesystem::path> outputs = request.reports.files();

@@ -41,11 +41,15 @@ Result<std::vector<std::vector<StructureIndex>>> find_surfaces(const Atlas& atla
 bool is_folder_of_masks(const ExportOptions& options) {
   return options.labels.ends_with('/');
 }
+bool is_stream(const ExportOptions& options) {
+  return options.labels == "-";
+}
 
 std::vector<fs::path> outputs_of(const ExportOptions& options) {
-  std::vector<fs::path> outputs{
-      is_folder_of_masks(options) ? fs::path(options.labels).parent_path() : fs::path(options.labels),
-      options.volume, options.names, options.tree};
+  std::vector<fs::path> outputs{is_stream(options)            ? fs::path()
+                                : is_folder_of_masks(options) ? fs::path(options.labels).parent_path()
+                                                              : fs::path(options.labels),
+                                options.volume, options.names, options.tree};
   for (const auto& [name, path] : options.surfaces) outputs.push_back(path);
   std::erase(outputs, fs::path());
   return outputs;
@@ -53,11 +57,11 @@ std::vector<fs::path> outputs_of(const ExportOptions& options) {
 
 /// Checks file types, and conflicts between outputs and inputs: kUsage.
 Result<void> check_words(const ExportOptions& options, std::span<const fs::path> outputs) {
-  if (!options.labels.empty() && !is_folder_of_masks(options))
+  if (!options.labels.empty() && !is_stream(options) && !is_folder_of_masks(options))
     SPLATLAS_RETURN_IF_ERROR(writable_image_format(options.labels));
   if (!options.volume.empty()) SPLATLAS_RETURN_IF_ERROR(writable_image_format(options.volume));
   for (const auto& [name, path] : options.surfaces) SPLATLAS_RETURN_IF_ERROR(writable_mesh_format(path));
-  if (outputs.empty()) {
+  if (outputs.empty() && !is_stream(options)) {
     return fail(ErrorCode::kUsage,
                 "{}: nothing to export: give --labels, --volume, --surface, --names or --tree",
                 options.atlas.string());
@@ -93,22 +97,27 @@ using UnnamedFiles = std::vector<OutputFile>;
 
 /// Exports labels as a label map, or as masks, together with the files before. Adds notes.
 Result<std::string> export_labels(const AtlasContent& content, const Atlas& atlas,
-                                  const ExportOptions& options, UnnamedFiles& unnamed,
-                                  std::vector<std::string>& notes) {
+                                  const ExportOptions& options, UnnamedFiles& unnamed, ExportedFiles& files) {
   if (is_folder_of_masks(options)) {
     check_volumes(atlas.grid(), 2, sizeof(ClassId));  // in the order of the source; masks
     SPLATLAS_ASSIGN_OR_RETURN(const ExportedMasks masks, export_masks(content, options.labels, unnamed));
     unnamed.clear();
-    notes.insert(notes.end(), masks.notes.begin(), masks.notes.end());
+    files.notes.insert(files.notes.end(), masks.notes.begin(), masks.notes.end());
     return fmt::format("{}: {} masks", options.labels, masks.count);
   }
   check_volumes(atlas.grid(), 2, bytes_of(content.label_type));
-  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, export_label_map(content, atlas.name(), options.labels));
-  unnamed.push_back(std::move(file));
+  SPLATLAS_ASSIGN_OR_RETURN(const VoxelBuffer labels,
+                            label_map(content, atlas.name(), "export masks: --labels FOLDER/"));
+  if (is_stream(options)) {
+    SPLATLAS_ASSIGN_OR_RETURN(files.stream, encode_image({content.source_grid, labels}, "labels.nrrd"));
+  } else {
+    SPLATLAS_ASSIGN_OR_RETURN(unnamed.emplace_back(),
+                              write_image({content.source_grid, labels}, options.labels));
+  }
   if (const auto left_out = structures_without_label(content); !left_out.empty()) {
     constexpr std::size_t kMaxListed = 10;
     const auto listed = std::span(left_out).first(std::min(left_out.size(), kMaxListed));
-    notes.push_back(fmt::format(
+    files.notes.push_back(fmt::format(
         "{}: leaves out structures without a label: {}{}; --labels FOLDER/ writes masks", options.labels,
         fmt::join(listed, ", "),
         left_out.size() > kMaxListed ? fmt::format(" and {} more", left_out.size() - kMaxListed) : ""));
@@ -181,8 +190,7 @@ bool write_outputs(const Atlas& atlas, const std::vector<std::vector<StructureIn
       return note(content ? body() : Result<std::string>(tl::unexpected(content.error())), path, files);
     };
     return (!has_labels ||
-            write(options.labels,
-                  [&] { return export_labels(*content, atlas, options, unnamed, files.notes); })) &&
+            write(options.labels, [&] { return export_labels(*content, atlas, options, unnamed, files); })) &&
            (!has_volume || write(options.volume.string(),
                                  [&] { return export_volume(*content, atlas, options.volume, unnamed); }));
   };
@@ -221,6 +229,7 @@ Result<ExportedFiles> export_atlas(const ExportOptions& options) {
     files.failures.push_back(over.error());
   }
   files.written.clear();
+  files.stream.clear();
   return files;
 }
 

@@ -1,6 +1,7 @@
 // Export of labels, volumes and surfaces from an atlas.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -15,7 +16,7 @@ namespace splatlas {
 /// Atlas and outputs of an export. Empty paths are not written.
 struct ExportOptions {
   std::filesystem::path atlas;
-  std::string labels;            ///< a volume file, or a folder of masks if it ends in "/"
+  std::string labels;  ///< a volume file, "-" for an NRRD stream, or a folder of masks if it ends in "/"
   std::filesystem::path volume;  ///< a volume file
   /// Structures (names, ids, paths or patterns; with descendants) and their mesh files.
   std::vector<std::pair<std::string, std::filesystem::path>> surfaces;
@@ -29,6 +30,7 @@ struct ExportOptions {
 struct ExportedFiles {
   std::vector<std::string> written;  ///< one line per file
   std::vector<std::string> notes;    ///< one line each
+  std::vector<std::byte> stream;     ///< labels for standard output
   /// One error per file that could not be written because of damage, or the error that ended the export.
   std::vector<Error> failures;
   std::vector<std::string> damaged;  ///< files that were not written because of damage

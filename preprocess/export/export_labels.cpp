@@ -72,7 +72,7 @@ Result<ExportedMasks> write_masks(const AtlasContent& content, const fs::path& p
   const auto stored = std::as_bytes(std::span(content.class_volume));
   const VoxelBuffer classes = to_source_order({VoxelType::kUInt32, {stored.begin(), stored.end()}}, content);
   const auto encode = [&](std::size_t n) {
-    return encode_mask_file(
+    return encode_image(
         {content.source_grid, mask_of(structure_classes.of(masked[n]), content.classes.size(), classes)},
         path / files[n]);
   };
@@ -99,13 +99,6 @@ Result<ExportedMasks> write_masks(const AtlasContent& content, const fs::path& p
 }
 
 }  // namespace
-
-Result<OutputFile> export_label_map(const AtlasContent& content, const std::string& name,
-                                    const fs::path& path) {
-  SPLATLAS_ASSIGN_OR_RETURN(const VoxelBuffer labels,
-                            label_map(content, name, "export masks: --labels FOLDER/"));
-  return write_image({content.source_grid, labels}, path);
-}
 
 std::vector<std::string> structures_without_label(const AtlasContent& content) {
   std::vector<bool> holds(content.graph.size());

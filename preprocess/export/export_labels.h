@@ -1,4 +1,4 @@
-// Export of label maps and masks, and names of their files.
+// Export of masks, and names of their files.
 #pragma once
 
 #include <cstddef>
@@ -12,12 +12,6 @@
 #include "format/io/output_file.h"
 
 namespace splatlas {
-
-/// Writes the source label map, voxel for voxel, as a volume file, without structures that have no label
-/// (segments, surfaces). kFailed if labels overlap, and for a label that label_type cannot hold exactly.
-/// Messages call the atlas `name`. The file has no name until commit_files().
-[[nodiscard]] Result<OutputFile> export_label_map(const AtlasContent& content, const std::string& name,
-                                                  const std::filesystem::path& path);
 
 /// Names of the structures with voxels that have no label: segments, which a label map leaves out.
 [[nodiscard]] std::vector<std::string> structures_without_label(const AtlasContent& content);

@@ -294,9 +294,9 @@ Result<OutputFile> write_image(const Image& image, const fs::path& path) {
   return std::move(*file);
 }
 
-Result<std::vector<std::byte>> encode_mask_file(const Image& mask, const fs::path& path) {
+Result<std::vector<std::byte>> encode_image(const Image& image, const fs::path& path) {
   std::vector<std::byte> file;
-  SPLATLAS_RETURN_IF_ERROR(write_whole(mask, path, kMaskLevel, [&](Bytes piece) -> Result<void> {
+  SPLATLAS_RETURN_IF_ERROR(write_whole(image, path, kMaskLevel, [&](Bytes piece) -> Result<void> {
     file.insert(file.end(), piece.begin(), piece.end());
     return {};
   }));

@@ -31,8 +31,9 @@ enum class ImageFormat { kNifti, kNrrd, kMetaImage };
 /// Cost: compresses in pieces; .mha keeps the compressed voxels in memory.
 [[nodiscard]] Result<OutputFile> write_image(const Image& image, const std::filesystem::path& path);
 
-/// The file of a mask, compressed fast: its runs are long. Errors as of write_image(). Thread-safe.
-[[nodiscard]] Result<std::vector<std::byte>> encode_mask_file(const Image& mask,
-                                                              const std::filesystem::path& path);
+/// The bytes of such a file; NIfTI is compressed fast, for masks, whose runs are long. Errors as of
+/// write_image(). Thread-safe.
+[[nodiscard]] Result<std::vector<std::byte>> encode_image(const Image& image,
+                                                          const std::filesystem::path& path);
 
 }  // namespace splatlas

@@ -135,6 +135,30 @@ TEST_F(PreprocessOutput, DamageNamesAllFilesThatAreNotWritten) {
   EXPECT_THAT(folder_.names(), ElementsAre("a.atlas"));
 }
 
+/// Standard output has the bytes of a file, and standard input builds what that file builds.
+TEST_F(PreprocessOutput, LabelsGoThroughPipes) {
+  for (const char* file : {"l.nrrd", "l.nii", "l.nii.gz"}) {
+    SCOPED_TRACE(file);
+    ASSERT_EQ(run_export({"--labels", file}).status, 0);
+    const Words words{"build", "--progress", "none", "--labels"};
+    ASSERT_EQ(run_preprocess(joined(words, {file, "-o", "x.atlas"}), folder_.path()).status, 0);
+    const std::string piped = std::string(R"(TMPDIR=. exec "$0" "$@" <)") + file;
+    const ProgramResult built = run_by_shell(
+        piped.c_str(), joined({SPLATLAS_PREPROCESS}, joined(words, {"-", "-o", "y.atlas"})), folder_.path());
+    EXPECT_EQ(built.status, 0) << built.err;
+    EXPECT_TRUE(bytes("x.atlas") == bytes("y.atlas"));
+  }
+  const ProgramResult stream = run_export({"--labels", "-", "--names", "n.csv"});
+  EXPECT_TRUE(stream.out == bytes("l.nrrd")) << stream.err;
+  const ProgramResult none =
+      run_by_shell(R"(echo none | TMPDIR=. exec "$0" build --labels - -o z.atlas --progress none)",
+                   {SPLATLAS_PREPROCESS}, folder_.path());
+  EXPECT_EQ(none.status, 1);
+  EXPECT_THAT(none.err, HasSubstr("/standard input.nii: "));
+  EXPECT_THAT(folder_.names(), ElementsAre("a.atlas", "l.nii", "l.nii.gz", "l.nrrd", "n.csv", "x.atlas",
+                                           "y.atlas"));  // and no folder of the input
+}
+
 TEST_F(PreprocessOutput, UnwrittenStandardOutputIsAFailure) {
   const std::string labels = phantom_folder().file("labels.nrrd");
   for (const Words& words : {Words{"export", "a.atlas", "--labels", "l.nii.gz"},

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "format/derive/label_map.h"
 #include "preprocess/import/labels/import_labels.h"
 #include "preprocess/import/tables/text_file.h"
 #include "tests/preprocess/random_images.h"
@@ -52,7 +53,6 @@ struct Label {
 };
 
 TEST(ExportLabels, WritesTheExtremeLabelsOfEachType) {
-  const TemporaryFolder folder;
   for (const Label& extreme : {Label{VoxelType::kUInt8, 255},
                                {VoxelType::kInt8, -128},
                                {VoxelType::kUInt16, 65535},
@@ -62,18 +62,16 @@ TEST(ExportLabels, WritesTheExtremeLabelsOfEachType) {
                                {VoxelType::kFloat32, 16777216},
                                {VoxelType::kFloat64, 4294967295}}) {
     const auto content = labelled_voxel(extreme.type, extreme.label);
-    const auto written = committed(export_label_map(content, "A", folder.file("labels.nrrd")));
-    ASSERT_TRUE(written) << written.error().message;
-    const Image back = import_image(folder.file("labels.nrrd")).value();
+    const auto labels = label_map(content, "A", "remedy");
+    ASSERT_TRUE(labels) << labels.error().message;
     visit_voxel_type(extreme.type, [&]<typename T>(T) {
-      EXPECT_EQ(static_cast<std::int64_t>(back.voxels.as<T>()[0]), extreme.label) << name_of(extreme.type);
-      EXPECT_EQ(back.voxels.as<T>()[1], T{0});
+      EXPECT_EQ(static_cast<std::int64_t>(labels->as<T>()[0]), extreme.label) << name_of(extreme.type);
+      EXPECT_EQ(labels->as<T>()[1], T{0});
     });
   }
 }
 
 TEST(ExportLabels, RefusesLabelsThatTheTypeCannotHold) {
-  const TemporaryFolder folder;
   for (const auto& [type, label] : {Label{VoxelType::kUInt8, 256},
                                     {VoxelType::kUInt8, -1},
                                     {VoxelType::kInt8, 128},
@@ -86,12 +84,10 @@ TEST(ExportLabels, RefusesLabelsThatTheTypeCannotHold) {
                                     {VoxelType::kFloat64, 9007199254740993},
                                     {VoxelType::kFloat64, std::numeric_limits<std::int64_t>::max()}}) {
     EXPECT_THAT(
-        committed(export_label_map(labelled_voxel(type, label), "A", folder.file("labels.nrrd"))),
-        FailsWith(ErrorCode::kFailed,
-                  fmt::format("A: 'One' has label {}, which {} cannot hold; export masks: --labels FOLDER/",
-                              label, name_of(type))));
+        label_map(labelled_voxel(type, label), "A", "export masks"),
+        FailsWith(ErrorCode::kFailed, fmt::format("A: 'One' has label {}, which {} cannot hold; export masks",
+                                                  label, name_of(type))));
   }
-  EXPECT_TRUE(folder.names().empty());
 }
 
 TEST(ExportLabels, StructuresWithoutVoxelsNeedNoPlaceInTheLabelMap) {
@@ -99,11 +95,9 @@ TEST(ExportLabels, StructuresWithoutVoxelsNeedNoPlaceInTheLabelMap) {
   content.graph = StructureGraph::build({{.id = "one", .label = 7}, {.id = "two", .label = 300}}).value();
   content.classes.intern({{0, Part::kBoundary}, {1, Part::kBoundary}});
   content.classes.intern({{1, Part::kBoundary}});
-  const TemporaryFolder folder;
-  const auto written = committed(export_label_map(content, "A", folder.file("labels.nrrd")));
-  ASSERT_TRUE(written) << written.error().message;
-  EXPECT_EQ(import_image(folder.file("labels.nrrd"))->voxels.bytes,
-            (std::vector{std::byte{7}, std::byte{0}, std::byte{0}}));
+  const auto labels = label_map(content, "A", "remedy");
+  ASSERT_TRUE(labels) << labels.error().message;
+  EXPECT_EQ(labels->bytes, (std::vector{std::byte{7}, std::byte{0}, std::byte{0}}));
 }
 
 TEST(ExportMasks, WritesNrrdFilesOfGridsThatNiftiCannotHold) {
