@@ -118,8 +118,8 @@ Result<std::string> export_labels(const AtlasContent& content, const Atlas& atla
     constexpr std::size_t kMaxListed = 10;
     const auto listed = std::span(left_out).first(std::min(left_out.size(), kMaxListed));
     files.notes.push_back(fmt::format(
-        "{}: leaves out structures without a label: {}{}; --labels FOLDER/ writes masks", options.labels,
-        fmt::join(listed, ", "),
+        "{}: leaves out structures without a label: {}{}; --labels FOLDER/ writes masks",
+        is_stream(options) ? "standard output" : options.labels, fmt::join(listed, ", "),
         left_out.size() > kMaxListed ? fmt::format(" and {} more", left_out.size() - kMaxListed) : ""));
   }
   return fmt::format("{}: labels, {}", options.labels, name_of(content.label_type));
