@@ -1,6 +1,8 @@
 """The package splatlas: arrays against nibabel and closed forms, pictures against splatlas-player."""
 import concurrent.futures
+import os
 import pathlib
+import re
 import resource
 import signal
 import subprocess
@@ -55,13 +57,23 @@ class Package(unittest.TestCase):
         return self.build(labels=boxes(), affine=affine_of(np.eye(3)), names={3: "Liver", 7: "Screw"},
                           volume=np.arange(np.prod(SHAPE), dtype=np.int16).reshape(SHAPE))
 
-    def test_a_brain_by_thresholds_is_nearly_that_of_bet(self):
-        templates, path = pathlib.Path("/usr/share/mricron/templates"), self.folder / "brain.atlas"
-        subprocess.run([PROGRAMS / "splatlas-preprocess", "build", "-o", path, "--volume", templates / "ch2.nii.gz",
-                        "--segment", "Brain=threshold:62:120:open=3:close=6"], check=True, capture_output=True)
-        ours = splatlas.open(path).mask("Brain") > 0
-        bet = np.asarray(nibabel.load(templates / "ch2bet.nii.gz").dataobj) > 0
-        self.assertGreater(2 * (ours & bet).sum() / (ours.sum() + bet.sum()), 0.96)  # Dice
+    def test_segments_of_the_guide_are_those_of_others(self):
+        guide = (pathlib.Path(__file__).parents[2] / "docs/guide.md").read_text()
+        rules = dict(re.findall(r"^    --segment (\w+)=(\S+)$", guide, re.MULTILINE))
+        templates, data = pathlib.Path("/usr/share/mricron/templates"), os.environ.get("SPLATLAS_TEST_DATA")
+        head = ["--volume", templates / "ch2.nii.gz", "--segment", f"BET=mask:{templates / 'ch2bet.nii.gz'}"]
+        cases = [("Brain", 0.96, head, ["BET"])]
+        if data:
+            chest = ["--labels", f"{data}/slicerio/Segmentation.seg.nrrd", "--volume", f"{data}/slicerio/CTChest4.nrrd"]
+            spine = [f"{part} vertebral column" for part in ("cervical", "thoracic", "lumbar")]
+            cases += [("Lungs", 0.995, chest, ["left lung", "right lung"]), ("Bone", 0.867, chest, ["ribs", *spine])]
+        for name, least, sources, structures in cases:
+            path = self.folder / f"{name}.atlas"
+            subprocess.run([PROGRAMS / "splatlas-preprocess", "build", "-o", path, *sources,
+                            "--segment", f"{name}={rules[name]}:overlap"], check=True, capture_output=True)
+            atlas = splatlas.open(path)
+            ours, others = atlas.mask(name) > 0, np.any([atlas.mask(one) > 0 for one in structures], axis=0)
+            self.assertGreater(2 * (ours & others).sum() / (ours.sum() + others.sum()), least, name)  # Dice
 
     def test_arrays_equal_those_of_nibabel_in_every_grid(self):
         values = np.arange(np.prod(SHAPE), dtype=np.float32).reshape(SHAPE)

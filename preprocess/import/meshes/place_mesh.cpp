@@ -89,14 +89,16 @@ double fraction_within(const TriangleMesh& mesh, MeshFrame frame, const MmBox& b
 
 MeshFrame guess_frame(const TriangleMesh& mesh, const std::optional<MmBox>& labelled, const fs::path& file,
                       Notes& notes) {
-  const double lps = labelled ? fraction_within(mesh, MeshFrame::kLps, *labelled) : 0;
-  const double ras = labelled ? fraction_within(mesh, MeshFrame::kRas, *labelled) : 0;
-  const std::string why = labelled
-                              ? fmt::format("{}: {:.0f} % of its points lie among the labels, {:.0f} % as {}",
-                                            ras > lps ? "RAS" : "LPS", 100 * std::max(lps, ras),
-                                            100 * std::min(lps, ras), ras > lps ? "LPS" : "RAS")
-                              : "LPS: there are no labels";
-  notes.add("mesh-frame", fmt::format("{} ({}; frame=ras or frame=lps decides)", file.string(), why));
+  if (!labelled) {
+    notes.add("no-frame", file.string());
+    return MeshFrame::kLps;
+  }
+  const double lps = fraction_within(mesh, MeshFrame::kLps, *labelled);
+  const double ras = fraction_within(mesh, MeshFrame::kRas, *labelled);
+  notes.add("mesh-frame", fmt::format("{} ({}: {:.0f} % of its points lie among the labels, {:.0f} % as {}; "
+                                      "frame=ras or frame=lps decides)",
+                                      file.string(), ras > lps ? "RAS" : "LPS", 100 * std::max(lps, ras),
+                                      100 * std::min(lps, ras), ras > lps ? "LPS" : "RAS"));
   return ras > lps ? MeshFrame::kRas : MeshFrame::kLps;
 }
 

@@ -156,7 +156,7 @@ TEST_F(MeshFrames, WithoutAFrameTheLabelsDecide) {
     expect_corners(place(name, bytes, "", left), 1);
     EXPECT_THAT(messages_of(notes_), ElementsAre(HasSubstr("(LPS: 100 %")));
     expect_corners(place(name, bytes), 1);
-    EXPECT_THAT(messages_of(notes_), ElementsAre(HasSubstr("(LPS: there are no labels;")));
+    EXPECT_THAT(messages_of(notes_), ElementsAre(HasSubstr("no frame and is read as LPS;")));
   }
 }
 
