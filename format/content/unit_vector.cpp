@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <iterator>
 
 namespace splatlas {
 namespace {
@@ -48,22 +47,43 @@ std::array<float, 3> octahedron_point(PackedNormal packed) {
   return octahedron_point(component(packed), component(packed >> 8u));
 }
 
+bool have_directions(std::span<const std::array<float, 3>> normals) {
+  return std::ranges::all_of(normals, [](const std::array<float, 3>& n) {
+    const float sum = std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]);
+    return sum > 0 && std::isfinite(sum);
+  });
+}
+
 /// The codes of a block of vectors, all of them finite and not zero. No branches, so that compilers use
 /// vectors; the operations are those of pack_normal(), in their order.
 class NormalBlock {
  public:
   static constexpr std::size_t kSize = 64;
+  using Lanes = std::array<float, kSize>;
 
   explicit NormalBlock(std::span<const std::array<float, 3>> normals) {
     load(normals);
     project();
     choose();
   }
-  [[nodiscard]] PackedNormal code(std::size_t n) const { return pack_codes(best_[0][n], best_[1][n]); }
+  void pack(std::size_t count, PackedNormal* codes) const {
+    for (std::size_t n = 0; n < count; ++n) codes[n] = pack_codes(best_[0][n], best_[1][n]);
+  }
+
+  /// Replaces vectors by those of their codes.
+  void unpack(std::span<std::array<float, 3>> normals) const {
+    std::array<Lanes, 3> unit;
+    for (std::size_t n = 0; n < kSize; ++n) {
+      const auto [x, y, z] = octahedron_point(best_[0][n] / kScale, best_[1][n] / kScale);
+      const float length = std::sqrt(x * x + y * y + z * z);
+      unit[0][n] = x / length;
+      unit[1][n] = y / length;
+      unit[2][n] = z / length;
+    }
+    for (std::size_t n = 0; n < normals.size(); ++n) normals[n] = {unit[0][n], unit[1][n], unit[2][n]};
+  }
 
  private:
-  using Lanes = std::array<float, kSize>;
-
   void load(std::span<const std::array<float, 3>> normals) {
     for (std::size_t n = 0; n < kSize; ++n) {
       const std::array<float, 3>& normal = normals[n < normals.size() ? n : 0];
@@ -108,7 +128,7 @@ class NormalBlock {
   void try_codes(float dx, float dy) {
     for (std::size_t n = 0; n < kSize; ++n) {
       const float above_x = low_[0][n] + dx, above_y = low_[1][n] + dy;
-      const float code_x = above_x > kScale ? kScale : above_x, code_y = above_y > kScale ? kScale : above_y;
+      const float code_x = std::min(above_x, kScale), code_y = std::min(above_y, kScale);
       const auto [u, v, z] = octahedron_point(code_x / kScale, code_y / kScale);
       const float dot = u * direction_[0][n] + v * direction_[1][n] + z * direction_[2][n];
       const float squared_length = u * u + v * v + z * z;
@@ -167,27 +187,28 @@ std::array<float, 3> unpack_normal(PackedNormal packed) {
 }
 
 std::vector<PackedNormal> pack_normals(std::span<const std::array<float, 3>> normals) {
-  std::vector<PackedNormal> packed;
-  packed.reserve(normals.size());
+  std::vector<PackedNormal> packed(normals.size());
   for (std::size_t first = 0; first < normals.size(); first += NormalBlock::kSize) {
     const auto part = normals.subspan(first, std::min(NormalBlock::kSize, normals.size() - first));
-    const bool all_have_directions = std::ranges::all_of(part, [](const std::array<float, 3>& n) {
-      const float sum = std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]);
-      return sum > 0 && std::isfinite(sum);
-    });
-    if (!all_have_directions) {
-      std::transform(part.begin(), part.end(), std::back_inserter(packed), pack_normal);
-      continue;
+    PackedNormal* const codes = packed.data() + first;
+    if (have_directions(part)) {
+      NormalBlock(part).pack(part.size(), codes);
+    } else {
+      std::transform(part.begin(), part.end(), codes, pack_normal);
     }
-    const NormalBlock block(part);
-    for (std::size_t n = 0; n < part.size(); ++n) packed.push_back(block.code(n));
   }
   return packed;
 }
 
 void round_normals(std::span<std::array<float, 3>> normals) {
-  const std::vector<PackedNormal> packed = pack_normals(normals);
-  std::transform(packed.begin(), packed.end(), normals.begin(), unpack_normal);
+  for (std::size_t first = 0; first < normals.size(); first += NormalBlock::kSize) {
+    const auto part = normals.subspan(first, std::min(NormalBlock::kSize, normals.size() - first));
+    if (have_directions(part)) {
+      NormalBlock(part).unpack(part);
+    } else {
+      for (std::array<float, 3>& normal : part) normal = unpack_normal(pack_normal(normal));
+    }
+  }
 }
 
 }  // namespace splatlas

@@ -16,9 +16,9 @@ using PackedNormal = std::uint16_t;
 [[nodiscard]] PackedNormal pack_normal(const std::array<float, 3>& n);
 /// The unit vector of a code. All 65 536 codes are valid.
 [[nodiscard]] std::array<float, 3> unpack_normal(PackedNormal packed);
-/// pack_normal() of each vector. Cost: about 10 ns each.
+/// pack_normal() of each vector. Cost: about 20 ns each.
 [[nodiscard]] std::vector<PackedNormal> pack_normals(std::span<const std::array<float, 3>> normals);
-/// Replaces each vector by unpack_normal(pack_normal(n)), with the same bits. Cost: about 10 ns each.
+/// Replaces each vector by unpack_normal(pack_normal(n)), with the same bits. Cost: about 20 ns each.
 void round_normals(std::span<std::array<float, 3>> normals);
 
 }  // namespace splatlas

@@ -14,6 +14,10 @@ namespace {
 
 using Vec3f = std::array<float, 3>;
 
+Vec3f opposite(const Vec3f& v) {
+  return {-v[0], -v[1], -v[2]};
+}
+
 /// The voxels at both ends of a vertex's edge.
 std::array<Index3, 2> ends_of(const NetVertex& vertex) {
   std::array<Index3, 2> ends{Index3{vertex.voxel[0], vertex.voxel[1], vertex.voxel[2]}, {}};
@@ -148,7 +152,7 @@ SurfaceMesh midway_mesh(SurfaceNet net, const std::vector<Vec3f>& gradients, con
   for (std::size_t v = 0; v < gradients.size(); ++v) {
     Vec3f& normal = mesh.normals_lps[v];
     const Vec3f inwards = voxel_normals.to_lps(gradients[v]);
-    if (dot(inwards, normal) < 0) normal = {-inwards[0], -inwards[1], -inwards[2]};
+    if (dot(inwards, normal) < 0) normal = opposite(inwards);
     normal = unit_or_up(normal);
   }
   round_normals(mesh.normals_lps);
@@ -185,6 +189,13 @@ SurfaceMesh smooth_mesh(SurfaceNet net, const Grid& grid) {
   return mesh;
 }
 
+/// The normals against gradients.
+std::vector<PackedNormal> normals_against(std::vector<Vec3f> gradients, const Grid& grid) {
+  const VoxelNormals of_grid(grid);
+  for (Vec3f& gradient : gradients) gradient = opposite(of_grid.to_lps(gradient));
+  return pack_normals(gradients);
+}
+
 IndexBox widened(IndexBox box, std::int64_t voxels) {
   for (std::size_t a = 0; a < 3; ++a) {
     box.first[a] -= voxels;
@@ -214,8 +225,7 @@ SurfaceMesh triangles_of(SurfaceNet& net, const Grid& grid, SurfaceRule rule) {
 }
 
 PackedNormal VoxelNormals::normal(const Vec3f& gradient) const {
-  const Vec3f inwards = to_lps(gradient);
-  return pack_normal({-inwards[0], -inwards[1], -inwards[2]});
+  return pack_normal(opposite(to_lps(gradient)));
 }
 
 SurfaceMesh fit_surface(const StructureCrop& crop, const Grid& grid, SurfaceRule rule,
@@ -246,63 +256,31 @@ StructureCrop crop_around(const IndexBox& box) {
   return empty_crop(widened(box, SmoothGradient::kRadius - 1));  // empty_crop() adds one voxel on every side
 }
 
-namespace {
-
-/// Normals against gradients, packed in order.
-class NormalPacker {
- public:
-  explicit NormalPacker(const Grid& grid) : of_grid_(grid) {}
-
-  void add(const Vec3f& gradient) {
-    const Vec3f inwards = of_grid_.to_lps(gradient);
-    pending_.push_back({-inwards[0], -inwards[1], -inwards[2]});
-    if (pending_.size() == kAtOnce) pack();
-  }
-  [[nodiscard]] std::vector<PackedNormal> finish() {
-    pack();
-    return std::move(packed_);
-  }
-
- private:
-  static constexpr std::size_t kAtOnce = 1024;
-  void pack() {
-    const std::vector<PackedNormal> codes = pack_normals(pending_);
-    packed_.insert(packed_.end(), codes.begin(), codes.end());
-    pending_.clear();
-  }
-
-  VoxelNormals of_grid_;
-  std::vector<Vec3f> pending_;
-  std::vector<PackedNormal> packed_;
-};
-
-}  // namespace
-
 std::vector<PackedNormal> fit_normals(const StructureCrop& crop, std::span<const Run> runs,
                                       const Grid& grid) {
-  NormalPacker normals(grid);
+  std::vector<Vec3f> gradients;
   SmoothGradient gradient(crop);
   RunsBySlice slices{kEmptyClass, runs};
   for (std::int64_t k = 0; k < crop.size[2] && !slices.left.empty(); ++k) {
     gradient.next_slice();
     slices.visit_slice(k, crop, grid.size[1],
-                       [&](std::int64_t i, std::int64_t j) { normals.add(gradient.at(i, j)); });
+                       [&](std::int64_t i, std::int64_t j) { gradients.push_back(gradient.at(i, j)); });
   }
-  return normals.finish();
+  return normals_against(std::move(gradients), grid);
 }
 
 std::vector<PackedNormal> fit_sparse_normals(const PartRows& rows, std::span<const Run> runs,
                                              const Grid& grid) {
-  NormalPacker normals(grid);
+  std::vector<Vec3f> gradients;
   SparseGradient gradient(rows);
   for (const Run& run : runs) {
     check_task();
     const auto scanline = static_cast<std::int64_t>(run.scanline);
     const std::int64_t j = scanline % grid.size[1], k = scanline / grid.size[1];
     for (std::uint32_t n = 0; n < run.length; ++n)
-      normals.add(gradient.at(std::int64_t{run.start} + n, j, k));
+      gradients.push_back(gradient.at(std::int64_t{run.start} + n, j, k));
   }
-  return normals.finish();
+  return normals_against(std::move(gradients), grid);
 }
 
 StructureIndex normal_owner(std::span<const Membership> members) {

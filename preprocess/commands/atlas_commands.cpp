@@ -101,17 +101,19 @@ CLI::App* add_export(CLI::App& app, ExportOptions& options) {
 }
 
 Result<void> run_export(const ExportOptions& options) {
-  const bool is_stream = options.labels == "-";
-  if (is_stream && ::isatty(STDOUT_FILENO) != 0)
+  if (options.streams_labels() && ::isatty(STDOUT_FILENO) != 0)
     return fail(ErrorCode::kUsage, "--labels -: standard output is a terminal; redirect it: > labels.nrrd");
   rlimit open_files{};  // all outputs are open until they are named
   ::getrlimit(RLIMIT_NOFILE, &open_files);
   open_files.rlim_cur = open_files.rlim_max;
   ::setrlimit(RLIMIT_NOFILE, &open_files);
   SPLATLAS_ASSIGN_OR_RETURN(const ExportedFiles files, export_atlas(options));
-  if (is_stream) SPLATLAS_RETURN_IF_ERROR(print_bytes(files.stream));
-  for (const std::string& line : files.written)
-    if (!is_stream) SPLATLAS_RETURN_IF_ERROR(print_text(PrintableText("{}\n", line)));
+  if (options.streams_labels()) {
+    SPLATLAS_RETURN_IF_ERROR(print_bytes(files.stream));
+  } else {
+    for (const std::string& line : files.written)
+      SPLATLAS_RETURN_IF_ERROR(print_text(PrintableText("{}\n", line)));
+  }
   for (const std::string& note : files.notes) print_to(stderr, PrintableText("note: {}\n", note));
   if (files.failures.empty()) return {};
   Error error = files.failures.front();

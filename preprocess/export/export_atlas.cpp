@@ -41,12 +41,9 @@ Result<std::vector<std::vector<StructureIndex>>> find_surfaces(const Atlas& atla
 bool is_folder_of_masks(const ExportOptions& options) {
   return options.labels.ends_with('/');
 }
-bool is_stream(const ExportOptions& options) {
-  return options.labels == "-";
-}
 
 std::vector<fs::path> outputs_of(const ExportOptions& options) {
-  std::vector<fs::path> outputs{is_stream(options)            ? fs::path()
+  std::vector<fs::path> outputs{options.streams_labels()      ? fs::path()
                                 : is_folder_of_masks(options) ? fs::path(options.labels).parent_path()
                                                               : fs::path(options.labels),
                                 options.volume, options.names, options.tree};
@@ -57,11 +54,11 @@ std::vector<fs::path> outputs_of(const ExportOptions& options) {
 
 /// Checks file types, and conflicts between outputs and inputs: kUsage.
 Result<void> check_words(const ExportOptions& options, std::span<const fs::path> outputs) {
-  if (!options.labels.empty() && !is_stream(options) && !is_folder_of_masks(options))
+  if (!options.labels.empty() && !options.streams_labels() && !is_folder_of_masks(options))
     SPLATLAS_RETURN_IF_ERROR(writable_image_format(options.labels));
   if (!options.volume.empty()) SPLATLAS_RETURN_IF_ERROR(writable_image_format(options.volume));
   for (const auto& [name, path] : options.surfaces) SPLATLAS_RETURN_IF_ERROR(writable_mesh_format(path));
-  if (outputs.empty() && !is_stream(options)) {
+  if (outputs.empty() && !options.streams_labels()) {
     return fail(ErrorCode::kUsage,
                 "{}: nothing to export: give --labels, --volume, --surface, --names or --tree",
                 options.atlas.string());
@@ -108,7 +105,7 @@ Result<std::string> export_labels(const AtlasContent& content, const Atlas& atla
   check_volumes(atlas.grid(), 2, bytes_of(content.label_type));
   SPLATLAS_ASSIGN_OR_RETURN(const VoxelBuffer labels,
                             label_map(content, atlas.name(), "export masks: --labels FOLDER/"));
-  if (is_stream(options)) {
+  if (options.streams_labels()) {
     SPLATLAS_ASSIGN_OR_RETURN(files.stream, encode_image({content.source_grid, labels}, "labels.nrrd"));
   } else {
     SPLATLAS_ASSIGN_OR_RETURN(unnamed.emplace_back(),
@@ -119,7 +116,7 @@ Result<std::string> export_labels(const AtlasContent& content, const Atlas& atla
     const auto listed = std::span(left_out).first(std::min(left_out.size(), kMaxListed));
     files.notes.push_back(fmt::format(
         "{}: leaves out structures without a label: {}{}; --labels FOLDER/ writes masks",
-        is_stream(options) ? "standard output" : options.labels, fmt::join(listed, ", "),
+        options.streams_labels() ? "standard output" : options.labels, fmt::join(listed, ", "),
         left_out.size() > kMaxListed ? fmt::format(" and {} more", left_out.size() - kMaxListed) : ""));
   }
   return fmt::format("{}: labels, {}", options.labels, name_of(content.label_type));

@@ -24,6 +24,8 @@ struct ExportOptions {
   NamesFormat names_format = NamesFormat::kCsv;
   std::filesystem::path tree;  ///< a tree file
   AtlasOptions atlas_options = {};
+
+  [[nodiscard]] bool streams_labels() const { return labels == "-"; }
 };
 
 /// Result of an export.
