@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "format/derive/label_map.h"
+#include "preprocess/export/write_image.h"
 #include "preprocess/import/labels/import_labels.h"
 #include "preprocess/import/tables/text_file.h"
 #include "tests/preprocess/random_images.h"
@@ -47,6 +48,13 @@ TEST(ExportLabels, ListTheStructuresThatALabelMapLeavesOut) {
   EXPECT_THAT(structures_without_label(content), ElementsAre("Segment"));
 }
 
+/// A label map, written and read again.
+VoxelBuffer through_a_file(const AtlasContent& content, const VoxelBuffer& labels) {
+  const TemporaryFolder folder;
+  EXPECT_TRUE(committed(write_image({content.source_grid, labels}, folder.file("labels.nrrd"))));
+  return import_image(folder.file("labels.nrrd")).value().voxels;
+}
+
 struct Label {
   VoxelType type;
   std::int64_t label;
@@ -64,9 +72,10 @@ TEST(ExportLabels, WritesTheExtremeLabelsOfEachType) {
     const auto content = labelled_voxel(extreme.type, extreme.label);
     const auto labels = label_map(content, "A", "remedy");
     ASSERT_TRUE(labels) << labels.error().message;
+    const VoxelBuffer back = through_a_file(content, *labels);
     visit_voxel_type(extreme.type, [&]<typename T>(T) {
-      EXPECT_EQ(static_cast<std::int64_t>(labels->as<T>()[0]), extreme.label) << name_of(extreme.type);
-      EXPECT_EQ(labels->as<T>()[1], T{0});
+      EXPECT_EQ(static_cast<std::int64_t>(back.as<T>()[0]), extreme.label) << name_of(extreme.type);
+      EXPECT_EQ(back.as<T>()[1], T{0});
     });
   }
 }
@@ -97,7 +106,7 @@ TEST(ExportLabels, StructuresWithoutVoxelsNeedNoPlaceInTheLabelMap) {
   content.classes.intern({{1, Part::kBoundary}});
   const auto labels = label_map(content, "A", "remedy");
   ASSERT_TRUE(labels) << labels.error().message;
-  EXPECT_EQ(labels->bytes, (std::vector{std::byte{7}, std::byte{0}, std::byte{0}}));
+  EXPECT_EQ(through_a_file(content, *labels).bytes, (std::vector{std::byte{7}, std::byte{0}, std::byte{0}}));
 }
 
 TEST(ExportMasks, WritesNrrdFilesOfGridsThatNiftiCannotHold) {
