@@ -241,6 +241,7 @@ struct Renderer::Impl {
     SPLATLAS_ASSIGN_OR_RETURN(std::optional<DrawPlan> rest,
                               decoded.require(drawn.plan(), axis, parts, surface_level, pool));
     if (rest) draw(*std::move(rest));
+    if (parts == VoxelParts::kNormals) decoded.light(drawn.plan(), drawn.appearances(), pool);
     if (!decoded.missing().empty() && drawn.draws_nothing())
       return tl::unexpected(decoded.missing().front().error);
     return faces.require(options, axis, *atlas, drawn, decoded, pool);

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "player/render/light/voxel_light.h"
 #include "player/render/rays/volume/ray_volume.h"
 #include "player/render/sheets/spans/build_spans.h"
 #include "tests/support/test_content.h"
@@ -33,7 +34,11 @@ struct PreparedSelection {
     appearances.select(plan, selection);
   }
   SelectedRuns runs(Axis axis) {
+    for (const ClassDraw& draw : plan.classes) {
+      if (draw.boundary) cache.forget_lost_normals(draw.id);
+    }
     EXPECT_TRUE(cache.require(volume_classes(plan), axis, pool));
+    light_voxels(plan, appearances, atlas->classes(), atlas->grid(), cache, pool);
     return {plan, atlas->classes(), cache, axis};
   }
   void build(Axis axis, SpanBuilder& builder, bool shade = true) {

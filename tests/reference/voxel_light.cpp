@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <set>
 #include <type_traits>
 
 #include "format/content/voxel_type.h"
@@ -101,13 +102,22 @@ class Lighter {
   [[nodiscard]] std::size_t number(const Index3& v) const {
     return static_cast<std::size_t>(grid_.offset(v[0], v[1], v[2]));
   }
-  [[nodiscard]] bool counts(const Index3& v) const {
-    return grid_.contains(v[0], v[1], v[2]) && draw_of_[content_.class_volume[number(v)]] != nullptr &&
+  [[nodiscard]] std::set<StructureIndex> structures_at(const Index3& v) const {
+    std::set<StructureIndex> structures;
+    for (const Membership& m : content_.classes.members(content_.class_volume[number(v)])) {
+      if (m.part != Part::kCrossed) structures.insert(m.structure);
+    }
+    return structures;
+  }
+  /// True for a voxel of the same structures with a grey value.
+  [[nodiscard]] bool counts(const Index3& v, const std::set<StructureIndex>& structures) const {
+    return grid_.contains(v[0], v[1], v[2]) && structures_at(v) == structures &&
            std::isfinite(value_of(content_.values, number(v)));
   }
 
   [[nodiscard]] Gradient gradient_at(const Index3& voxel) const {
     Gradient gradient;
+    const std::set<StructureIndex> structures = structures_at(voxel);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       double pairs = 0, sum = 0, squares = 0;
       for (std::int64_t n = 0; n < 27; ++n) {
@@ -119,7 +129,7 @@ class Lighter {
         for (std::size_t a = 0; a < 3; ++a) first[a] += step[a];
         Index3 second = first;
         ++second[axis];
-        if (!counts(first) || !counts(second)) continue;
+        if (!counts(first, structures) || !counts(second, structures)) continue;
         const double difference =
             value_of(content_.values, number(second)) - value_of(content_.values, number(first));
         pairs += weight;

@@ -121,16 +121,17 @@ Result<void> BlockVolume::divide(std::vector<Group>& groups, VoxelType type, Thr
     structure.normals = normals_of(structure.runs, grid_);
   });
   SPLATLAS_ASSIGN_OR_RETURN(
-      SparseBytes normals,
-      SparseBytes::reserve(static_cast<std::uint64_t>(grid_.voxels()) * sizeof(PackedNormal)));
-  auto* const of_blocks = reinterpret_cast<PackedNormal*>(normals.data());
+      SparseBytes lights,
+      SparseBytes::reserve(static_cast<std::uint64_t>(grid_.voxels()) * sizeof(VoxelLight)));
+  auto* const of_blocks = reinterpret_cast<VoxelLight*>(lights.data());
   for (const Structure& structure : structures) {
-    for_each_block(structure.runs.boundary, grid_.size[0],
-                   [&](std::size_t block, std::size_t n) { of_blocks[block] = structure.normals[n]; });
+    for_each_block(structure.runs.boundary, grid_.size[0], [&](std::size_t block, std::size_t n) {
+      of_blocks[block] = {structure.normals[n], VoxelLight::kAllLit};
+    });
     add(groups[structure.begin].draw, Part::kInterior, structure.runs.interior);
     add(groups[structure.begin].draw, Part::kBoundary, structure.runs.boundary);
   }
-  cache_.keep_voxels(std::move(values), std::move(normals));
+  cache_.keep_voxels(std::move(values), std::move(lights));
   return {};
 }
 
@@ -190,8 +191,7 @@ Result<SparseBytes> BlockVolume::own_blocks(std::vector<Group>& groups,
 
 void BlockVolume::add(const ClassDraw& draw, Part part, const ClassRuns& runs) {
   if (runs.empty()) return;
-  const auto group = static_cast<StructureIndex>(classes_.size());  // any number of its own
-  const ClassId id = classes_.intern({{group, part}});
+  const ClassId id = classes_.intern({{draw.volume_of, part}});
   const std::uint64_t voxels = voxels_of(runs);
   classes_.count(id, voxels, box_of(runs, grid_.size, Axis::kZ));
   plan_.classes.push_back({id, VoxelRole::kVolume, draw.volume_of, part == Part::kBoundary});
@@ -201,6 +201,7 @@ void BlockVolume::add(const ClassDraw& draw, Part part, const ClassRuns& runs) {
 
 void BlockVolume::require(Axis axis, ThreadPool& pool) {
   if (has_runs_[static_cast<std::size_t>(axis)]) return;
+  if (axis != Axis::kZ) require(Axis::kZ, pool);
   std::vector<ClassRuns> converted(z_runs_.size());
   pool.for_each(z_runs_.size(),
                 [&](std::size_t n) { converted[n] = convert_runs(z_runs_[n], grid_.size, Axis::kZ, axis); });

@@ -26,13 +26,14 @@ class BlockVolume {
   [[nodiscard]] static Result<std::unique_ptr<BlockVolume>> read(std::shared_ptr<const Atlas> atlas,
                                                                  const DrawPlan& plan, ThreadPool& pool);
 
-  /// Makes the runs of an axis available in cache().
+  /// Makes the runs of an axis, and of z, available in cache().
   void require(Axis axis, ThreadPool& pool);
 
   [[nodiscard]] const Grid& grid() const { return grid_; }
   [[nodiscard]] const ClassTable& classes() const { return classes_; }
   [[nodiscard]] const DrawPlan& plan() const { return plan_; }
-  [[nodiscard]] const ClassCache& cache() const { return cache_; }
+  /// The light of its boundary is that of its normals.
+  [[nodiscard]] ClassCache& cache() { return cache_; }
   /// Share of a block, in memory order of the grid, that the plan's voxels fill: 0 to 1.
   [[nodiscard]] float share(std::size_t block) const {
     return static_cast<float>(std::to_integer<int>(covered_.data()[block])) / kVoxels;

@@ -9,7 +9,6 @@
 #include "format/file/directory.h"
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"
-#include "player/render/decode/lit_voxels.h"
 
 namespace splatlas {
 
@@ -24,9 +23,10 @@ std::vector<ClassId> volume_classes(const DrawPlan& plan) {
 /// Missing parts of a required class, and the result of reading them.
 struct ClassCache::Missing {
   ClassId id = kEmptyClass;
-  bool runs = false, values = false, normals = false;
-  ClassRuns read;  // of the required axis
-  Result<void> result;
+  std::array<bool, 3> runs{};  // [axis]
+  bool values = false, normals = false;
+  std::array<ClassRuns, 3> read{};
+  Result<void> result{};
 };
 
 namespace {
@@ -52,17 +52,19 @@ void leave_out_groups(const std::map<std::uint32_t, Error>& failed, const ValueG
 std::vector<ClassCache::Missing> ClassCache::missing_of(std::span<const ClassId> classes, Axis axis,
                                                         VoxelParts parts) const {
   const bool values = parts >= VoxelParts::kValues && atlas_->value_type() != VoxelType::kNone;
+  const bool normals = parts == VoxelParts::kNormals;
   std::vector<Missing> missing;
   for (const ClassId c : classes) {
     const auto known = classes_.find(c);
     const DecodedClass decoded = known == classes_.end() ? DecodedClass{} : known->second;
-    Missing lacks{.id = c,
-                  .runs = !decoded.run_count[static_cast<std::size_t>(axis)],
-                  .values = !decoded.has_values && values,
-                  .normals = !decoded.has_normals && parts == VoxelParts::kNormals,
-                  .read = {},
-                  .result = {}};
-    if (lacks.runs || lacks.values || lacks.normals) missing.push_back(std::move(lacks));
+    Missing lacks{
+        .id = c, .values = !decoded.has_values && values, .normals = !decoded.has_normals && normals};
+    for (const Axis each : kAxes) {
+      const auto n = static_cast<std::size_t>(each);
+      lacks.runs[n] = !decoded.run_count[n] && (each == axis || (each == Axis::kZ && normals && values));
+    }
+    if (lacks.runs != std::array<bool, 3>{} || lacks.values || lacks.normals)
+      missing.push_back(std::move(lacks));
   }
   return missing;
 }
@@ -70,7 +72,7 @@ std::vector<ClassCache::Missing> ClassCache::missing_of(std::span<const ClassId>
 double ClassCache::memory_of(std::span<const Missing> missing, Axis axis, VoxelParts parts) const {
   const Grid& grid = atlas_->grid();
   const auto voxel_bytes = static_cast<double>((parts >= VoxelParts::kValues ? value_bytes() : 0) +
-                                               (parts == VoxelParts::kNormals ? sizeof(PackedNormal) : 0));
+                                               (parts == VoxelParts::kNormals ? sizeof(VoxelLight) : 0));
   const double grid_bytes = static_cast<double>(grid.voxels()) * voxel_bytes;
   constexpr double kPageBytes = 4096;
   double voxels = 0, pages = 0;
@@ -82,10 +84,11 @@ double ClassCache::memory_of(std::span<const Missing> missing, Axis axis, VoxelP
     pages +=
         std::min(2 * in_class, 2 + of_slices / static_cast<double>(grid.size[2]) * grid_bytes / kPageBytes);
   }
-  // Values and normals are spread over the pages of the grid
+  // Values and light are spread over the pages of the grid
   pages = std::min(pages, 2 + grid_bytes / kPageBytes);
   constexpr double kRunBytes = 3 * sizeof(ClassRun);
-  return pages * kPageBytes + kRunBytes * std::min(voxels, static_cast<double>(atlas_->runs(axis)));
+  const std::uint64_t runs = std::max(atlas_->runs(axis), atlas_->runs(Axis::kZ));
+  return pages * kPageBytes + kRunBytes * std::min(voxels, static_cast<double>(runs));
 }
 
 std::uint64_t ClassCache::bytes() const {
@@ -93,7 +96,7 @@ std::uint64_t ClassCache::bytes() const {
   std::uint64_t bytes = 0;
   for (const auto& [id, decoded] : classes_) {
     const std::uint64_t of_voxel =
-        (decoded.has_values ? value_bytes() : 0) + (decoded.has_normals ? sizeof(PackedNormal) : 0);
+        (decoded.has_values ? value_bytes() : 0) + (decoded.has_normals ? sizeof(VoxelLight) : 0);
     bytes += of_voxel * atlas_->classes().voxels(id);
     for (const auto& runs : decoded.run_count) bytes += runs.value_or(0) * sizeof(ClassRun);
   }
@@ -118,8 +121,8 @@ Result<void> ClassCache::reserve(std::span<const Missing> missing) {
   if (values && values_.data() == nullptr) {
     SPLATLAS_ASSIGN_OR_RETURN(values_, SparseBytes::reserve(voxels * value_bytes()));
   }
-  if (normals && normals_.data() == nullptr) {
-    SPLATLAS_ASSIGN_OR_RETURN(normals_, SparseBytes::reserve(voxels * sizeof(PackedNormal)));
+  if (normals && lights_.data() == nullptr) {
+    SPLATLAS_ASSIGN_OR_RETURN(lights_, SparseBytes::reserve(voxels * sizeof(VoxelLight)));
   }
   if (box.empty()) return {};
 
@@ -130,7 +133,7 @@ Result<void> ClassCache::reserve(std::span<const Missing> missing) {
   const std::size_t count = static_cast<std::size_t>(box.last[2] - box.first[2] + 1) * slice;
   if (new_voxels < count / kSparse) return {};
   if (values) values_.expect_dense(first * value_bytes(), count * value_bytes());
-  if (normals) normals_.expect_dense(first * sizeof(PackedNormal), count * sizeof(PackedNormal));
+  if (normals) lights_.expect_dense(first * sizeof(VoxelLight), count * sizeof(VoxelLight));
   return {};
 }
 
@@ -151,12 +154,15 @@ Result<void> ClassCache::require(std::span<const ClassId> classes, Axis axis, Th
   });
 
   // Decode in parallel and record the results
-  pool.for_each(missing.size(), [&](std::size_t n) { missing[n].result = decode(missing[n], axis); });
-  std::vector<std::pair<ClassId, const ClassRuns*>> runs;
-  for (const Missing& of : missing) {
-    if (of.result && of.runs) runs.emplace_back(of.id, &of.read);
+  pool.for_each(missing.size(), [&](std::size_t n) { missing[n].result = decode(missing[n]); });
+  for (const Axis each : kAxes) {
+    std::vector<std::pair<ClassId, const ClassRuns*>> runs;
+    for (const Missing& of : missing) {
+      const auto n = static_cast<std::size_t>(each);
+      if (of.result && of.runs[n]) runs.emplace_back(of.id, &of.read[n]);
+    }
+    keep_runs(runs, each, atlas_->grid().size[ScanOrder::of(each).row_axis], pool);
   }
-  keep_runs(runs, axis, atlas_->grid().size[ScanOrder::of(axis).row_axis], pool);
   for (const Missing& of : missing) {
     if (!of.result) {
       failed_classes_.push_back({of.id, of.result.error()});
@@ -165,6 +171,7 @@ Result<void> ClassCache::require(std::span<const ClassId> classes, Axis axis, Th
     DecodedClass& decoded = classes_[of.id];
     decoded.has_values = decoded.has_values || of.values;
     decoded.has_normals = decoded.has_normals || of.normals;
+    if (of.normals) decoded.light = {};
   }
   if (failed_classes_.empty()) return {};
   return tl::unexpected(failed_classes_.front().error);
@@ -185,37 +192,48 @@ void ClassCache::keep_runs(std::span<const std::pair<ClassId, const ClassRuns*>>
 }
 
 /// Values and normals are stored in memory order; the runs along z give their voxels.
-Result<void> ClassCache::decode(Missing& missing, Axis axis) const {
-  const bool in_order = axis == Axis::kZ;
-  if (missing.runs || in_order) {
-    SPLATLAS_ASSIGN_OR_RETURN(missing.read, atlas_->read_runs(missing.id, axis));
+Result<void> ClassCache::decode(Missing& missing) const {
+  for (const Axis axis : kAxes) {
+    const bool scatters = axis == Axis::kZ && (missing.values || missing.normals);
+    const auto n = static_cast<std::size_t>(axis);
+    if (!missing.runs[n] && !scatters) continue;
+    SPLATLAS_ASSIGN_OR_RETURN(missing.read[n], atlas_->read_runs(missing.id, axis));
   }
-  if (!missing.values && !missing.normals) return {};
-  ClassRuns z_runs;
-  if (!in_order) {
-    SPLATLAS_ASSIGN_OR_RETURN(z_runs, atlas_->read_runs(missing.id, Axis::kZ));
-  }
-  const auto scatter = [&](const void* from, std::size_t voxel_bytes, std::byte* to) {
-    const auto* stored = static_cast<const std::byte*>(from);
+  // Calls take(first voxel of a run, number of its first value, voxels)
+  const auto for_each_run = [&](const auto& take) {
     const auto row_voxels = static_cast<std::uint64_t>(atlas_->grid().size[0]);
+    std::size_t n = 0;
     TaskPace pace;
-    for (const Run& run : in_order ? missing.read : z_runs) {
+    for (const Run& run : missing.read[static_cast<std::size_t>(Axis::kZ)]) {
       pace.step();
-      std::memcpy(to + (run.scanline * row_voxels + run.start) * voxel_bytes, stored,
-                  run.length * voxel_bytes);
-      stored += run.length * voxel_bytes;
+      take(run.scanline * row_voxels + run.start, n, run.length);
+      n += run.length;
     }
   };
   if (missing.values) {
     SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> values, atlas_->read_values(missing.id));
-    scatter(values.data(), value_bytes(), values_.data());
+    const std::size_t bytes = value_bytes();
+    for_each_run([&](std::uint64_t voxel, std::size_t n, std::uint32_t count) {
+      std::memcpy(values_.data() + voxel * bytes, values.data() + n * bytes, count * bytes);
+    });
   }
   check_task();
   if (missing.normals) {
     SPLATLAS_ASSIGN_OR_RETURN(const std::vector<PackedNormal> normals, atlas_->read_normals(missing.id));
-    if (!normals.empty()) scatter(normals.data(), sizeof(PackedNormal), normals_.data());
+    auto* const lights = reinterpret_cast<VoxelLight*>(lights_.data());
+    if (normals.empty()) return {};
+    for_each_run([&](std::uint64_t voxel, std::size_t n, std::uint32_t count) {
+      for (std::uint32_t k = 0; k < count; ++k) lights[voxel + k] = {normals[n + k], VoxelLight::kAllLit};
+    });
   }
   return {};
+}
+
+void ClassCache::forget_lost_normals(ClassId c) {
+  const auto known = classes_.find(c);
+  if (known == classes_.end()) return;
+  const LightState::Of of = known->second.light.of;
+  if (of == LightState::Of::kNothing || of == LightState::Of::kInterior) known->second.has_normals = false;
 }
 
 Result<void> ClassCache::require_surfaces(std::span<const StructureIndex> structures, ThreadPool& pool,

@@ -16,10 +16,13 @@
 #include "format/derive/coarse_surface.h"
 #include "format/tasks/thread_pool.h"
 #include "player/picture.h"
+#include "player/render/decode/lit_voxels.h"
 #include "player/render/decode/sparse_bytes.h"
 #include "player/render/decode/surface_clusters.h"
 
 namespace splatlas {
+
+class TransferTable;
 
 /// A run of a class within a slice.
 struct ClassRun {
@@ -73,26 +76,37 @@ struct FailedSurface {
 /// Decoded parts of a class. Each value includes those before it.
 enum class VoxelParts : std::uint8_t { kNone, kRuns, kValues, kNormals };
 
-/// Cache of an atlas's classes and surfaces: a new selection reads only its new parts. Values (and normals)
+/// What the light of the voxels of a class is.
+struct LightState {
+  enum class Of : std::uint8_t { kLabel, kNothing, kBorder, kInterior } of = Of::kLabel;
+  /// Of interiors; their address tells them apart within a generation of VolumeAppearances.
+  const TransferTable* transfer = nullptr;
+  std::uint64_t generation = 0;
+
+  friend bool operator==(const LightState&, const LightState&) = default;
+};
+
+/// Cache of an atlas's classes and surfaces: a new selection reads only its new parts. Values (and light)
 /// of all decoded classes share one volume in memory order of the grid. Only written pages are resident. Not
 /// thread-safe, except for const members.
 class ClassCache {
  public:
   explicit ClassCache(std::shared_ptr<const Atlas> atlas) : atlas_(std::move(atlas)) {}
 
-  /// Makes parts of `classes` available, with runs of `axis`; reads only missing parts, in parallel. Classes
-  /// that fail are listed in failed_classes(), and nothing of them is kept; the others become available.
-  /// Returns the first failure.
+  /// Makes parts of `classes` available, with runs of `axis`; reads only missing parts, in parallel. Normals
+  /// come as light, and with runs of z if they may be refined by grey values (light_voxels()). Classes that
+  /// fail are listed in failed_classes(), and nothing of them is kept; the others become available. Returns
+  /// the first failure.
   [[nodiscard]] Result<void> require(std::span<const ClassId> classes, Axis axis, ThreadPool& pool,
                                      VoxelParts parts = VoxelParts::kNormals);
   /// Keeps voxels of another grid, as if they had been decoded: runs along an axis of classes that have none
   /// there. `rows`: of a slice of that grid.
   void keep_runs(std::span<const std::pair<ClassId, const ClassRuns*>> runs, Axis axis, std::int64_t rows,
                  ThreadPool& pool);
-  /// Their values and normals, in memory order of that grid.
-  void keep_voxels(SparseBytes values, SparseBytes normals) {
+  /// Their values and light, in memory order of that grid.
+  void keep_voxels(SparseBytes values, SparseBytes lights) {
     values_ = std::move(values);
-    normals_ = std::move(normals);
+    lights_ = std::move(lights);
   }
   [[nodiscard]] bool has_values(ClassId c) const {
     const auto known = classes_.find(c);
@@ -129,17 +143,28 @@ class ClassCache {
   [[nodiscard]] std::size_t value_bytes() const { return bytes_of(atlas_->value_type()); }
   /// Size of values() in bytes.
   [[nodiscard]] std::size_t bytes_of_values() const { return values_.size(); }
-  /// Normals in memory order of the grid; null before any have been required. Defined only at boundary voxels
-  /// of classes that were required with normals.
-  [[nodiscard]] const PackedNormal* normals() const {
-    return reinterpret_cast<const PackedNormal*>(normals_.data());
+  /// Light in memory order of the grid; null before any normals have been required. First that of the normals
+  /// of boundary voxels; see light_voxels().
+  [[nodiscard]] const VoxelLight* lights() const {
+    return reinterpret_cast<const VoxelLight*>(lights_.data());
   }
+  /// The light of a voxel, followed by that of the next ones; null if it has none: without grey values, only
+  /// borders have light.
+  [[nodiscard]] const VoxelLight* light(std::size_t voxel, bool boundary) const {
+    return boundary || values() != nullptr ? lights() + voxel : nullptr;
+  }
+  [[nodiscard]] VoxelLight* lights() { return reinterpret_cast<VoxelLight*>(lights_.data()); }
+  /// State of the light of a required class.
+  [[nodiscard]] LightState& light_state(ClassId c) { return classes_.at(c).light; }
+  /// Before a class is drawn as border: its normals are missing if other light has taken their place.
+  void forget_lost_normals(ClassId c);
 
  private:
   /// Decoded parts of a class. ScanlineRuns keeps the runs of all classes.
   struct DecodedClass {
     std::array<std::optional<std::size_t>, 3> run_count;
     bool has_values = false, has_normals = false;
+    LightState light;
   };
   struct DecodedSurface {
     SurfaceMesh mesh;
@@ -158,7 +183,7 @@ class ClassCache {
   /// Upper bound of the bytes that these classes will take.
   [[nodiscard]] double memory_of(std::span<const Missing> missing, Axis axis, VoxelParts parts) const;
   [[nodiscard]] Result<void> reserve(std::span<const Missing> missing);
-  [[nodiscard]] Result<void> decode(Missing& missing, Axis axis) const;
+  [[nodiscard]] Result<void> decode(Missing& missing) const;
   std::shared_ptr<const Atlas> atlas_;
   std::unordered_map<ClassId, DecodedClass> classes_;
   std::array<ScanlineRuns, 3> runs_;
@@ -167,7 +192,7 @@ class ClassCache {
   std::vector<FailedClass> failed_classes_;
   std::vector<FailedSurface> failed_surfaces_;
   SparseBytes values_;
-  SparseBytes normals_;
+  SparseBytes lights_;
 };
 
 }  // namespace splatlas

@@ -10,18 +10,24 @@
 
 namespace splatlas {
 
-/// A voxel that is lit by its normal.
-struct LitVoxel {
-  /// `lit` of voxels whose whole emission depends on the normal.
+/// How the emission of a voxel depends on the view.
+struct VoxelLight {
   static constexpr std::uint16_t kAllLit = 65535;
 
-  float white = 0;  ///< unlit emission of white, 1/mm
   PackedNormal normal = 0;
-  std::uint16_t lit = kAllLit;  ///< share of the emission that depends on the normal
+  std::uint16_t lit = 0;  ///< share of the emission that depends on the normal, of kAllLit
+
+  friend bool operator==(const VoxelLight&, const VoxelLight&) = default;
+};
+
+/// A voxel that is lit by its normal.
+struct LitVoxel {
+  float white = 0;  ///< unlit emission of white, 1/mm
+  VoxelLight light;
 
   /// The lit emission of white, given the factor of the part that depends on the normal.
   [[nodiscard]] float lit_white(float factor) const {
-    return white * (1 + static_cast<float>(lit) / kAllLit * (factor - 1));
+    return white * (1 + static_cast<float>(light.lit) / VoxelLight::kAllLit * (factor - 1));
   }
   friend bool operator==(const LitVoxel&, const LitVoxel&) = default;
 };

@@ -7,6 +7,7 @@
 
 #include "format/result_macros.h"
 #include "player/render/frame/frame_renderer.h"
+#include "player/render/light/voxel_light.h"
 
 namespace splatlas {
 
@@ -71,6 +72,9 @@ Result<std::optional<DrawPlan>> DecodedSelection::require(const DrawPlan& plan, 
                                                           int surface_level, ThreadPool& pool) {
   const std::vector<ClassId> of_volume =
       parts == VoxelParts::kNone ? std::vector<ClassId>() : volume_classes(plan);
+  for (const ClassDraw& draw : plan.classes) {
+    if (draw.boundary && parts == VoxelParts::kNormals) cache_.forget_lost_normals(draw.id);
+  }
   const Result<void> classes = cache_.require(of_volume, axis, pool, parts);
   if (!classes && cache_.failed_classes().empty()) return tl::unexpected(classes.error());
   const Result<void> surfaces = cache_.require_surfaces(plan.surfaces, pool, surface_level);
@@ -93,6 +97,10 @@ Result<std::optional<DrawPlan>> DecodedSelection::require(const DrawPlan& plan, 
     list_missing(std::move(part));
   }
   return rest;
+}
+
+void DecodedSelection::light(const DrawPlan& plan, const VolumeAppearances& appearances, ThreadPool& pool) {
+  light_voxels(plan, appearances, atlas_->classes(), atlas_->grid(), cache_, pool);
 }
 
 void DecodedSelection::list_missing(MissingPart part) {

@@ -37,6 +37,8 @@ class DecodedSelection {
   /// missing(), and returns the plan without them; none if all are intact. kLimit when out of memory.
   [[nodiscard]] Result<std::optional<DrawPlan>> require(const DrawPlan& plan, Axis axis, VoxelParts parts,
                                                         int surface_level, ThreadPool& pool);
+  /// Lights the voxels of a decoded plan (light_voxels()).
+  void light(const DrawPlan& plan, const VolumeAppearances& appearances, ThreadPool& pool);
   /// Reads and decodes uncached classes of faces of a cut, after the plan's. Lists damaged ones in missing(),
   /// with the structures of `faces` (by ClassId), and succeeds. kLimit when out of memory.
   [[nodiscard]] Result<void> require_faces(std::span<const FaceClass> faces, Axis axis, ThreadPool& pool);

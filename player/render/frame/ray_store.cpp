@@ -4,6 +4,7 @@
 
 #include "format/result_macros.h"
 #include "player/render/frame/ray_frame.h"
+#include "player/render/light/voxel_light.h"
 
 namespace splatlas {
 
@@ -74,6 +75,8 @@ bool RayStore::require_blocks(const RenderOptions& options, const std::shared_pt
   blocks.require(Axis::kZ, pool);
   VolumeAppearances appearances(*atlas);
   appearances.select(blocks.plan(), drawn.selection());
+  if (options.hybrid_shading)
+    light_voxels(blocks.plan(), appearances, blocks.classes(), blocks.grid(), blocks.cache(), pool);
   const SelectedRuns runs(blocks.plan(), blocks.classes(), blocks.cache(), Axis::kZ);
   auto built = RayVolume::build({.atlas = *atlas,
                                  .selection = drawn.selection(),

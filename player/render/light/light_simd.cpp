@@ -26,10 +26,9 @@ struct Pairs {
 
   // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init)
   HWY_INLINE Pairs() { pairs = differences = squares = hn::Zero(F()); }
-  HWY_INLINE void Add(Floats low, Floats low_selected, Floats high, Floats high_selected) {
-    const Floats pair = hn::Mul(low_selected, high_selected);  // 0 or 1
-    const Floats difference = hn::Mul(pair, hn::Sub(high, low));
-    pairs = hn::Add(pairs, pair);
+  HWY_INLINE void Add(hn::Mask<F> counts, Floats low, Floats high) {
+    const Floats difference = hn::IfThenElseZero(counts, hn::Sub(high, low));
+    pairs = hn::Add(pairs, hn::IfThenElseZero(counts, hn::Set(F(), 1)));
     differences = hn::Add(differences, difference);
     squares = hn::Add(squares, hn::Mul(difference, difference));
   }
@@ -52,11 +51,12 @@ HWY_INLINE void SumPairs(const GreyRows& rows, std::size_t count, const std::arr
   const F d;
   for (std::size_t n = 0; n < count + 2; n += hn::Lanes(d)) {
     const auto value = [&](std::size_t k, int ahead) { return hn::LoadU(d, rows.values[k] + n - 1 + ahead); };
-    const auto selected = [&](std::size_t k, int ahead) {
-      return hn::LoadU(d, rows.selected[k] + n - 1 + ahead);
+    const auto counts = [&](std::size_t k, int ahead) {
+      return hn::Eq(hn::LoadU(I(), rows.groups[k] + n - 1 + ahead), hn::Set(I(), rows.group));
     };
     const auto add = [&](std::size_t low, std::size_t high, int ahead, Pairs& pairs) {
-      pairs.Add(value(low, 0), selected(low, 0), value(high, ahead), selected(high, ahead));
+      pairs.Add(hn::RebindMask(d, hn::And(counts(low, 0), counts(high, ahead))), value(low, 0),
+                value(high, ahead));
     };
     {
       Pairs middle, beside, corners;
@@ -195,31 +195,6 @@ HWY_INLINE Floats Dot(const Vectors& a, const Vectors& b) {
   return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
 }
 
-void LightBoundary(const PackedNormal* labels, std::size_t count, const GradientRow& gradients,
-                   const LitRow& out) {
-  constexpr float kAcross = 0.3f, kAlong = 0.8f;
-  const F d;
-  const Floats one = hn::Set(d, 1);
-  for (std::size_t n = 0; n < count; n += hn::Lanes(d)) {
-    const Vectors label = Unpack(labels + n), gradient = Direction(gradients, n);
-    const Floats squares = hn::Max(Dot(gradient, gradient), hn::Set(d, 1e-30f));
-    const Floats per_length = hn::Div(one, hn::Sqrt(squares));
-    const Floats cosine = hn::Mul(Dot(gradient, label), per_length);
-    const Floats coherence = hn::LoadU(d, gradients.coherence + n);
-    const Floats share = hn::Mul(coherence, Ramp(hn::Abs(cosine), kAcross, kAlong));
-    const Floats of_gradient = hn::Mul(hn::Mul(share, SignOf(cosine)), per_length);
-    const Floats of_label = hn::Sub(one, share);
-    const auto agree = hn::Gt(share, hn::Zero(d));  // false for overflows
-    const auto mixed = [&](Floats of_grey, Floats border) {
-      const Floats mix = hn::Add(hn::Mul(of_gradient, of_grey), hn::Mul(of_label, border));
-      return hn::IfThenElse(agree, mix, border);
-    };
-    Pack({mixed(gradient.x, label.x), mixed(gradient.y, label.y), mixed(gradient.z, label.z)},
-         out.normals + n);
-    hn::StoreU(hn::Set(U16(), 0xffff), U16(), out.lit + n);
-  }
-}
-
 void FindExtinctions(const TransferTable::View& table, const float* greys, const float* reach,
                      std::size_t count, float* below, float* above) {
   static_assert(sizeof(TransferShare) == 2 * sizeof(float));  // the extinction and another
@@ -245,22 +220,51 @@ void FindExtinctions(const TransferTable::View& table, const float* greys, const
   }
 }
 
-void LightInterior(const float* below, const float* above, std::size_t count, const GradientRow& gradients,
-                   const LitRow& out) {
+/// Borders: the label's normal, replaced by the gradient as far as both have one direction.
+HWY_INLINE Vectors LightBorder(const Vectors& label, const Vectors& gradient, Floats coherence) {
+  constexpr float kAcross = 0.3f, kAlong = 0.8f;
+  const F d;
+  const Floats squares = hn::Max(Dot(gradient, gradient), hn::Set(d, 1e-30f));
+  const Floats per_length = hn::Div(hn::Set(d, 1), hn::Sqrt(squares));
+  const Floats cosine = hn::Mul(Dot(gradient, label), per_length);
+  const Floats share = hn::Mul(coherence, Ramp(hn::Abs(cosine), kAcross, kAlong));
+  const Floats of_gradient = hn::Mul(hn::Mul(share, SignOf(cosine)), per_length);
+  const Floats of_label = hn::Sub(hn::Set(d, 1), share);
+  const auto agree = hn::Gt(share, hn::Zero(d));  // false for overflows
+  const auto mixed = [&](Floats of_grey, Floats border) {
+    const Floats mix = hn::Add(hn::Mul(of_gradient, of_grey), hn::Mul(of_label, border));
+    return hn::IfThenElse(agree, mix, border);
+  };
+  return {mixed(gradient.x, label.x), mixed(gradient.y, label.y), mixed(gradient.z, label.z)};
+}
+
+void Light(const float* below, const float* above, std::size_t count, const GradientRow& gradients,
+           const LightRow& voxels) {
   constexpr float kFlat = 0.01f, kSteep = 0.05f;
   const F d;
+  const I di;
+  const Floats all_lit = hn::Set(d, 65535);
   for (std::size_t n = 0; n < count; n += hn::Lanes(d)) {
+    const Floats lit_before = hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(U16(), voxels.lit + n)));
+    const auto is_border = hn::Eq(lit_before, all_lit);
+    const Vectors gradient = Direction(gradients, n);
+    const Floats coherence = hn::LoadU(d, gradients.coherence + n);
+    // Others: towards lower extinctions, lit where these change
     const Floats low = hn::LoadU(d, below + n), high = hn::LoadU(d, above + n);
     const Floats densest = hn::Max(low, high);
     const Floats change = hn::Div(hn::AbsDiff(high, low), hn::Max(densest, hn::Set(d, 1e-30f)));
-    const Floats coherence = hn::LoadU(d, gradients.coherence + n);
     const Floats share = hn::IfThenElseZero(hn::Gt(densest, hn::Zero(d)), Ramp(change, kFlat, kSteep));
-    const Floats lit = hn::Add(hn::Mul(hn::Mul(coherence, share), hn::Set(d, 65535)), hn::Set(d, 0.5f));
-    hn::StoreU(hn::DemoteTo(U16(), hn::ConvertTo(I(), lit)), U16(), out.lit + n);
-    // Towards lower extinctions
+    const Floats lit = hn::Add(hn::Mul(hn::Mul(coherence, share), all_lit), hn::Set(d, 0.5f));
     const Floats sign = hn::IfThenElse(hn::Gt(high, low), hn::Set(d, -1), hn::Set(d, 1));
-    const Vectors gradient = Direction(gradients, n);
-    Pack({hn::Mul(gradient.x, sign), hn::Mul(gradient.y, sign), hn::Mul(gradient.z, sign)}, out.normals + n);
+    Vectors normal{hn::Mul(gradient.x, sign), hn::Mul(gradient.y, sign), hn::Mul(gradient.z, sign)};
+    if (!hn::AllFalse(d, is_border)) {
+      const Vectors border = LightBorder(Unpack(voxels.normals + n), gradient, coherence);
+      normal = {hn::IfThenElse(is_border, border.x, normal.x), hn::IfThenElse(is_border, border.y, normal.y),
+                hn::IfThenElse(is_border, border.z, normal.z)};
+    }
+    Pack(normal, voxels.normals + n);
+    const Ints of_voxels = hn::ConvertTo(di, hn::IfThenElse(is_border, all_lit, lit));
+    hn::StoreU(hn::DemoteTo(U16(), of_voxels), U16(), voxels.lit + n);
   }
 }
 
@@ -273,14 +277,13 @@ HWY_AFTER_NAMESPACE();
 namespace splatlas {
 
 HWY_EXPORT(MeasureGradient);
-HWY_EXPORT(LightBoundary);
 HWY_EXPORT(FindExtinctions);
-HWY_EXPORT(LightInterior);
+HWY_EXPORT(Light);
 
 LightKernels light_kernels() {
   static_cast<void>(best_target());  // applies SPLATLAS_SIMD
-  return {HWY_DYNAMIC_DISPATCH(MeasureGradient), HWY_DYNAMIC_DISPATCH(LightBoundary),
-          HWY_DYNAMIC_DISPATCH(FindExtinctions), HWY_DYNAMIC_DISPATCH(LightInterior)};
+  return {HWY_DYNAMIC_DISPATCH(MeasureGradient), HWY_DYNAMIC_DISPATCH(FindExtinctions),
+          HWY_DYNAMIC_DISPATCH(Light)};
 }
 
 }  // namespace splatlas

@@ -297,16 +297,16 @@ class RayVolume::Builder {
 
   void fill_colors(Source& source) {
     auto* colors = reinterpret_cast<float*>(source.colors.data());
-    for_each_lit_slice([&](std::int64_t z, VoxelLighter& lighter) {
+    pool_.for_each(source.lit.size(), [&](std::size_t slice) {
+      const auto z = static_cast<std::int64_t>(slice);
       for_each_piece(source, z, [&](const Piece& piece) {
         const std::array<float, 3>& color = request_.appearances[piece.draw].color;
-        const VoxelLight light = light_of(piece, z, lighter);
         const std::size_t first = kFour * place(piece.x, piece.y, z);
         for (std::int64_t n = 0; n < piece.length; ++n) {
           const std::size_t at = first + kFour * static_cast<std::size_t>(n);
           std::copy(color.begin(), color.end(), colors + at);
           colors[at + 3] = 1;
-          list_lit(source, piece, z, light, n, 1, color);
+          list_lit(source, piece, z, n, 1, color);
         }
       });
     });
@@ -316,12 +316,12 @@ class RayVolume::Builder {
     auto* optics = reinterpret_cast<float*>(source.values.data());
     const auto slices = static_cast<std::size_t>(volume_.grid_.size[2]);
     std::vector<std::vector<std::uint8_t>> visible(slices);  // [slice of voxels][brick]
-    for_each_lit_slice([&](std::int64_t z, VoxelLighter& lighter) {
-      std::vector<std::uint8_t>& seen = visible[static_cast<std::size_t>(z)];
+    pool_.for_each(slices, [&](std::size_t slice) {
+      const auto z = static_cast<std::int64_t>(slice);
+      std::vector<std::uint8_t>& seen = visible[slice];
       seen.resize(mask.of_slice(), 0);
       std::vector<ClassifiedVoxel> voxels;
       for_each_piece(source, z, [&](const Piece& piece) {
-        const VoxelLight light = light_of(piece, z, lighter);
         const VolumeAppearance& appearance = request_.appearances[piece.draw];
         voxels.resize(static_cast<std::size_t>(piece.length));
         appearance.look_up(request_.cache.values(), piece.voxel, 1, voxels.size(), voxels.data());
@@ -335,7 +335,7 @@ class RayVolume::Builder {
           const std::array<float, 3> emission = appearance.emission(voxel);
           optics[at] = voxel.extinction_per_mm;
           std::copy(emission.begin(), emission.end(), optics + at + 1);
-          list_lit(source, piece, z, light, n, voxel.extinction_per_mm * voxel.shade, appearance.color);
+          list_lit(source, piece, z, n, voxel.extinction_per_mm * voxel.shade, appearance.color);
           mark_around(mask, seen, piece.x + n, piece.y);
         }
       });
@@ -343,34 +343,14 @@ class RayVolume::Builder {
     mark_slices(mask, visible);
   }
 
-  /// Calls take(z, lighter) for the slices of the box, in parallel; a lighter passes through adjacent slices.
-  template <typename Take>
-  void for_each_lit_slice(const Take& take) const {
-    constexpr std::int64_t kAtOnce = 8;
-    const std::int64_t slices = volume_.grid_.size[2];
-    VoxelLighters lighters(request_.runs, request_.cache, request_.grid(), request_.shade);
-    pool_.for_each(static_cast<std::size_t>((slices + kAtOnce - 1) / kAtOnce), [&](std::size_t part) {
-      const std::int64_t first = static_cast<std::int64_t>(part) * kAtOnce;
-      lighters.with([&](VoxelLighter& lighter) {
-        for (std::int64_t z = first; z < std::min(first + kAtOnce, slices); ++z) take(z, lighter);
-      });
-    });
-  }
-  [[nodiscard]] VoxelLight light_of(const Piece& piece, std::int64_t z, VoxelLighter& lighter) const {
-    return lighter.light(request_.appearances[piece.draw], request_.plan.classes[piece.draw].boundary,
-                         z + volume_.first_[2], piece.y + volume_.first_[1],
-                         static_cast<std::uint32_t>(piece.x + volume_.first_[0]),
-                         static_cast<std::uint32_t>(piece.length));
-  }
   /// Lists the n-th voxel of a piece if it is lit. `white`: its unlit emission of white.
-  void list_lit(Source& source, const Piece& piece, std::int64_t z, const VoxelLight& light, std::int64_t n,
-                float white, const std::array<float, 3>& color) const {
-    if (light.normals == nullptr) return;
-    const auto number = static_cast<std::size_t>(n);
-    const std::uint16_t lit = light.lit == nullptr ? LitVoxel::kAllLit : light.lit[number];
-    if (lit == 0) return;
-    source.lit[static_cast<std::size_t>(z)].add(volume_.number(piece.x + n, piece.y),
-                                                {white, light.normals[number * light.stride], lit}, color);
+  void list_lit(Source& source, const Piece& piece, std::int64_t z, std::int64_t n, float white,
+                const std::array<float, 3>& color) const {
+    if (!request_.shade) return;
+    const VoxelLight* const light = request_.cache.light(piece.voxel + static_cast<std::size_t>(n),
+                                                         request_.plan.classes[piece.draw].boundary);
+    if (light == nullptr || light->lit == 0) return;
+    source.lit[static_cast<std::size_t>(z)].add(volume_.number(piece.x + n, piece.y), {white, *light}, color);
   }
 
   const RayVolumeRequest& request_;

@@ -85,7 +85,7 @@ class RayVolume::Averager {
       for (std::size_t c = 0; c < 3; ++c) optics[at + 1 + c] = sums.emission[c] * per_voxel;
       if (const std::uint16_t lit = sums.lit_share(); lit > 0) {
         source.lit[static_cast<std::size_t>(z)].add(
-            coarse_.number(x, y), {sums.weight * per_voxel, pack_normal(sums.normal), lit}, sums.color());
+            coarse_.number(x, y), {sums.weight * per_voxel, {pack_normal(sums.normal), lit}}, sums.color());
       }
       mark_around(mask, seen, x, y);
       sums = {};
@@ -151,7 +151,7 @@ void RayVolume::light(const ParallelView& view, const Lighting& lighting, Thread
         float* color = of_slice + std::size_t{4} * run.number;
         const LitVoxel* voxel = source.lit[slice].voxels.data() + run.first;
         for (std::uint32_t n = 0; n < run.count; ++n, ++voxel, color += 4) {
-          const float white = voxel->lit_white(factors[voxel->normal]);
+          const float white = voxel->lit_white(factors[voxel->light.normal]);
           for (std::size_t c = 0; c < 3; ++c) color[c] = white * run.color[c];
         }
       }

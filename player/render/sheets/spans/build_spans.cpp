@@ -111,16 +111,14 @@ std::vector<RowRange> SpanBuilder::changed_rows(const SpanRequest& request, cons
     differ[c] = appearances_.differ(appearances_before, c);
     if (differ[c]) box.include(request.classes.box(c));
   }
-  // Gradients of grey values reach into the slices and rows beside
-  const std::int64_t beside = request.shade && request.cache.values() != nullptr ? 1 : 0;
   changed.assign(changed.size(), {});
   for (std::int64_t slice = box.first[scan.slice_axis]; slice <= box.last[scan.slice_axis]; ++slice) {
     RowRange rows;
     for (const ClassRun& run : request.cache.runs(model_.axis).slice(slice)) {
-      if (differ[run.id]) rows.include({run.row - beside, run.row + 1 + beside});
+      if (differ[run.id]) rows.include({run.row, run.row + 1});
     }
-    const std::size_t end = model_.place_of(slice + 1 + beside);
-    for (std::size_t n = model_.place_of(slice - beside); n < end; ++n) changed[n].include(rows);
+    const std::size_t end = model_.place_of(slice + 1);
+    for (std::size_t n = model_.place_of(slice); n < end; ++n) changed[n].include(rows);
   }
   return changed;
 }
@@ -149,7 +147,7 @@ std::size_t SpanBuilder::max_floats(const SpanRequest& request, std::int64_t sli
 
 /// `before`: the same slice, with rows to keep.
 void SpanBuilder::write_slice(const SpanRequest& request, const RowRange& rows, const SliceSpans& before,
-                              VoxelLighter& lighter, SliceSpans& out) const {
+                              SliceSpans& out) const {
   const std::int64_t slice = out.number;
   const ScanOrder scan = ScanOrder::of(model_.axis);
   const std::array<std::size_t, 3> step{
@@ -170,9 +168,8 @@ void SpanBuilder::write_slice(const SpanRequest& request, const RowRange& rows, 
     writer.add(piece.start, piece.length);
     appearance.volume.look_up(request.cache.values(), voxel, scan_step, piece.length,
                               writer.extinctions(piece.start), writer.whites(piece.start));
-    writer.color(
-        piece.start, piece.length, appearance.volume.color,
-        lighter.light(appearance.volume, appearance.boundary, slice, piece.row, piece.start, piece.length));
+    writer.color(piece.start, piece.length, appearance.volume.color,
+                 request.shade ? request.cache.light(voxel, appearance.boundary) : nullptr, scan_step);
   };
 
   // Merge adjacent runs into pieces
@@ -235,26 +232,23 @@ void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
   // Build slices in parallel
   const std::uint64_t voxels = request.plan.volume_voxels + request.plan.hybrid_voxels;
   arena_.expect(voxels * (1 + static_cast<std::uint64_t>(model_.emissions)) * sizeof(float));
-  VoxelLighters lighters(runs, request.cache, request.grid, request.shade);
   pool.for_each((to_build.size() + kSlicesAtOnce - 1) / kSlicesAtOnce, [&](std::size_t part) {
     const std::size_t first = part * kSlicesAtOnce;
-    lighters.with([&](VoxelLighter& lighter) {
-      SliceSpans before;  // passes its memory on to the next slice
-      for (std::size_t n = first; n < std::min(first + kSlicesAtOnce, to_build.size()); ++n) {
-        SliceSpans& slice = model_.slices[to_build[n]];
-        const RowRange& rows = changed[to_build[n]];
-        std::swap(slice, before);
-        const LitVoxels& similar = n == first ? before.lit : model_.slices[to_build[n - 1]].lit;
-        slice.number = before.number;
-        slice.is_lit = false;
-        slice.optics = arena_.lend(before.optics.size() + max_floats(request, slice.number, rows));
-        slice.lit.voxels.reserve(similar.voxels.size() * 9 / 8);
-        slice.lit.runs.reserve(similar.runs.size() * 9 / 8);
-        write_slice(request, rows, before, lighter, slice);
-        before.optics = {};
-        arena_.settle(slice.optics);
-      }
-    });
+    SliceSpans before;  // passes its memory on to the next slice
+    for (std::size_t n = first; n < std::min(first + kSlicesAtOnce, to_build.size()); ++n) {
+      SliceSpans& slice = model_.slices[to_build[n]];
+      const RowRange& rows = changed[to_build[n]];
+      std::swap(slice, before);
+      const LitVoxels& similar = n == first ? before.lit : model_.slices[to_build[n - 1]].lit;
+      slice.number = before.number;
+      slice.is_lit = false;
+      slice.optics = arena_.lend(before.optics.size() + max_floats(request, slice.number, rows));
+      slice.lit.voxels.reserve(similar.voxels.size() * 9 / 8);
+      slice.lit.runs.reserve(similar.runs.size() * 9 / 8);
+      write_slice(request, rows, before, slice);
+      before.optics = {};
+      arena_.settle(slice.optics);
+    }
   });
 
   // Update counters and free unused memory

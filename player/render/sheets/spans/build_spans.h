@@ -13,7 +13,6 @@
 
 #include "format/tasks/thread_pool.h"
 #include "player/render/decode/selected_runs.h"
-#include "player/render/light/voxel_light.h"
 #include "player/render/sheets/spans/span_model.h"
 #include "player/render/transfer/volume_appearances.h"
 #include "player/render/view/shear.h"
@@ -132,7 +131,7 @@ class SpanBuilder {
                                                    const ClassAppearances& appearances_before) const;
   [[nodiscard]] bool take_over(SpanModel& before);
   void write_slice(const SpanRequest& request, const RowRange& rows, const SliceSpans& before,
-                   VoxelLighter& lighter, SliceSpans& out) const;
+                   SliceSpans& out) const;
   [[nodiscard]] std::size_t max_floats(const SpanRequest& request, std::int64_t slice,
                                        const RowRange& rows) const;
 

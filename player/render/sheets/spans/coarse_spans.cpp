@@ -28,8 +28,7 @@ class SliceAverager {
         width_(static_cast<std::size_t>(model.scan_voxels)),
         sums_(width_ * static_cast<std::size_t>(model.rows)),
         rows_(static_cast<std::size_t>(model.rows), {width_, 0}),
-        normals_(width_),
-        lit_(width_) {}
+        lights_(width_) {}
 
   /// Adds up the voxels of a slice of blocks. Returns an upper bound of its floats.
   std::size_t gather(std::int64_t slice) {
@@ -103,10 +102,8 @@ class SliceAverager {
         const VoxelSums& sums = row_sums[n];
         writer.extinctions(first)[n - begin] = sums.extinction * per_voxel;
         writer.whites(first)[n - begin] = sums.weight * per_voxel;
-        if (sums.lit > 0) normals_[n] = pack_normal(sums.normal);
-        lit_[n] = sums.lit_share();
-        writer.color(first + static_cast<std::uint32_t>(n - begin), 1, sums.color(),
-                     {&normals_[n], 1, &lit_[n]});
+        lights_[n] = {sums.lit > 0 ? pack_normal(sums.normal) : PackedNormal{0}, sums.lit_share()};
+        writer.color(first + static_cast<std::uint32_t>(n - begin), 1, sums.color(), &lights_[n]);
       }
       begin = end;
     }
@@ -122,8 +119,7 @@ class SliceAverager {
   const std::size_t width_;      // of the box, in blocks
   std::vector<VoxelSums> sums_;  // of the slice's box; zero outside rows_
   std::vector<Extent> rows_;
-  std::vector<PackedNormal> normals_;  // of a row
-  std::vector<std::uint16_t> lit_;
+  std::vector<VoxelLight> lights_;  // of a row
 };
 
 /// Lights spans for a view, unless they are. `lit_for`: the view that they are lit for.
@@ -192,6 +188,8 @@ void BlockSpans::prepare(Axis axis, bool shade, const ParallelView& view, const 
   if (!spans_ || model().axis != axis || shaded_ != shade) {
     spans_.reset();
     volume_->require(axis, pool);
+    if (shade)
+      light_voxels(volume_->plan(), appearances_, volume_->classes(), grid(), volume_->cache(), pool);
     const SelectedRuns runs(volume_->plan(), volume_->classes(), volume_->cache(), axis);
     SpanBuilder spans;
     spans.build({runs, volume_->plan(), appearances_, volume_->classes(), grid(), volume_->cache(), shade},

@@ -149,7 +149,7 @@ inline void light_run(const LitRun& run, std::uint32_t first, std::uint32_t last
                       std::span<const float> factors, SliceSpans& slice) {
   const LitVoxel* voxel = slice.lit.voxels.data() + run.first + (first - run.number);
   for (std::uint32_t lane = first; lane < last; ++lane, ++voxel) {
-    const float white = voxel->lit_white(factors[voxel->normal]);
+    const float white = voxel->lit_white(factors[voxel->light.normal]);
     float* const emission = slice.optics.data() + slice.place(lane) + kBlock;
     emission[0] = white * run.color[0];
     if (slice.emissions == 1) continue;

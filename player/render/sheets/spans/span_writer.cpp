@@ -58,7 +58,7 @@ void SpanWriter::make_room(std::size_t floats) {
 }
 
 void SpanWriter::color(std::uint32_t first, std::uint32_t count, const std::array<float, 3>& color,
-                       const VoxelLight& light) {
+                       const VoxelLight* lights, std::size_t stride) {
   float* const extinction = extinctions(first);
   const std::array<float, 3>& of_voxels = out_.emissions == 1 ? kWhite : color;
   if (out_.emissions == 3) {
@@ -68,8 +68,9 @@ void SpanWriter::color(std::uint32_t first, std::uint32_t count, const std::arra
       for (std::uint32_t n = 0; n < count; ++n) colored[n] = white[n] * color[static_cast<std::size_t>(c)];
     }
   }
-  if (light.normals == nullptr) return;
-  lit_.push_back({first, count, static_cast<std::size_t>(extinction - line_.data()), of_voxels, light});
+  if (lights == nullptr) return;
+  lit_.push_back(
+      {first, count, static_cast<std::size_t>(extinction - line_.data()), of_voxels, lights, stride});
 }
 
 void SpanWriter::end_row(std::int64_t row) {
@@ -183,12 +184,12 @@ void SpanWriter::list(const Run& run, std::size_t& s) {
     const float* const white =
         out_.emissions == 1 ? out_.optics.data() + out_.place(lane) + kBlock : whites + (voxel - run.first);
     for (std::uint32_t n = 0, of_run = voxel - run.first; voxel < last; ++n, ++of_run, ++voxel, ++lane) {
-      const std::uint16_t lit = run.light.lit == nullptr ? LitVoxel::kAllLit : run.light.lit[of_run];
-      const bool is_lit = lit > 0 && white[n] > 0;
+      const VoxelLight& light = run.lights[of_run * run.stride];
+      const bool is_lit = light.lit > 0 && white[n] > 0;
       if (is_lit && !goes_on) out_.lit.begin_run(lane, size, run.color);
       goes_on = is_lit;
       if (!is_lit) continue;
-      voxels[size++] = {white[n], run.light.normals[of_run * run.light.stride], lit};
+      voxels[size++] = {white[n], light};
       ++out_.lit.runs.back().count;
     }
   }

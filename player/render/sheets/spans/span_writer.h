@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "player/render/light/voxel_light.h"
+#include "player/render/decode/lit_voxels.h"
 #include "player/render/sheets/spans/span_model.h"
 
 namespace splatlas {
@@ -34,9 +34,10 @@ class SpanWriter {
     return extinctions(first) + white_plane() * plane_floats_;
   }
   /// Sets the emissions of some of the latest voxels to those of white times a colour, which volumes of one
-  /// colour ignore, and lists the lit ones. `light` must be valid until the end of the row.
+  /// colour ignore, and lists the lit ones. `lights`, of voxels `stride` apart, must be valid until the end
+  /// of the row; null: none is lit.
   void color(std::uint32_t first, std::uint32_t count, const std::array<float, 3>& color,
-             const VoxelLight& light = {});
+             const VoxelLight* lights = nullptr, std::size_t stride = 1);
   /// Appends the row's spans. Rows of the grid come in ascending order.
   void end_row(std::int64_t row);
   /// Appends rows [first, last) of another slice with the same emissions.
@@ -56,7 +57,8 @@ class SpanWriter {
     std::uint32_t first = 0, count = 0;
     std::size_t place = 0;  // of the first in every plane of the buffer
     std::array<float, 3> color{};
-    VoxelLight light;
+    const VoxelLight* lights = nullptr;
+    std::size_t stride = 1;
   };
   /// Plane of the emissions of white: the only ones, or behind the three others.
   [[nodiscard]] std::int64_t white_plane() const { return out_.emissions == 1 ? 1 : 4; }

@@ -28,7 +28,7 @@ void expect_equal(const AtlasContent& content, const ClassCache& cache, std::spa
       ASSERT_EQ(std::memcmp(cache.values() + n * bytes, content.values.bytes.data() + n * bytes, bytes), 0);
     }
     if (!content.boundary_normals[c].empty()) {
-      ASSERT_EQ(cache.normals()[n], content.boundary_normals[c][number]);
+      ASSERT_EQ(cache.lights()[n], (VoxelLight{content.boundary_normals[c][number], VoxelLight::kAllLit}));
     }
   }
   const auto rows = static_cast<std::uint64_t>(grid.size[ScanOrder::of(axis).row_axis]);
@@ -112,7 +112,7 @@ TEST(ClassCache, ReadsNormalsOnlyWhereTheyAreWanted) {
   ThreadPool pool(2);
   ClassCache cache(atlas);
   ASSERT_TRUE(cache.require(all, Axis::kY, pool, VoxelParts::kValues));
-  EXPECT_EQ(cache.normals(), nullptr);
+  EXPECT_EQ(cache.lights(), nullptr);
   for (const ClassId c : all) {
     (void)other->read_runs(c, Axis::kY);
     (void)other->read_values(c);

@@ -15,26 +15,18 @@
 namespace splatlas {
 namespace {
 
-/// The light of all selected voxels, run by run along an axis, in memory order.
-std::vector<reference::LitVoxel> light_along(PreparedSelection& prepared, Axis axis) {
+/// The light of all selected voxels, in memory order.
+std::vector<reference::LitVoxel> light_of(PreparedSelection& prepared) {
   const Grid& grid = prepared.atlas->grid();
   std::vector<reference::LitVoxel> voxels(static_cast<std::size_t>(grid.voxels()));
-  const SelectedRuns runs = prepared.runs(axis);
-  const ScanOrder scan = ScanOrder::of(axis);
-  VoxelLighter lighter(runs, prepared.cache, grid, true);
+  static_cast<void>(prepared.runs(Axis::kY));
+  const SelectedRuns runs = prepared.runs(Axis::kZ);
   for (const std::int64_t slice : runs.occupied()) {
     runs.for_each(slice, [&](const ClassRun& run, std::uint32_t draw) {
-      const VoxelLight light =
-          lighter.light(prepared.appearances.appearances()[draw], prepared.plan.classes[draw].boundary, slice,
-                        run.row, run.start, run.length);
-      if (light.normals == nullptr) return;
-      for (std::uint32_t n = 0; n < run.length; ++n) {
-        Index3 at{};
-        at[scan.slice_axis] = slice;
-        at[scan.row_axis] = run.row;
-        at[scan.scan_axis] = run.start + n;
-        voxels[static_cast<std::size_t>(grid.offset(at[0], at[1], at[2]))] = {
-            light.lit == nullptr ? 1 : light.lit[n] / 65535.0, light.normals[n * light.stride]};
+      const auto first = static_cast<std::size_t>(grid.offset(run.start, run.row, slice));
+      for (std::size_t n = first; n < first + run.length; ++n) {
+        const VoxelLight* const light = prepared.cache.light(n, prepared.plan.classes[draw].boundary);
+        if (light != nullptr) voxels[n] = {light->lit / 65535.0, light->normal};
       }
     });
   }
@@ -54,14 +46,17 @@ VoxelBuffer float_values(const Index3& size, const Grey& grey) {
   return make_values(VoxelType::kFloat32, values);
 }
 
-TEST(VoxelLight, IsThatOfTheReferenceAlongEveryAxis) {
+/// Also after others, in which it was a border's or an interior's, by other curves.
+TEST(VoxelLight, IsThatOfTheReferenceForEverySelection) {
   std::uint64_t lit = 0;
   for (std::uint32_t number = 0; number < 60; ++number) {
     const RandomScene scene = random_scene(number, 20);
     PreparedSelection prepared(scene.content, scene.selection);
-    const std::vector<reference::LitVoxel> expected = reference::lit_voxels(scene.content, scene.selection);
-    for (const Axis axis : kAxes) {
-      const std::vector<reference::LitVoxel> ours = light_along(prepared, axis);
+    const Selection all = selection_of("*:volume(low=20,high=90)", scene.content.graph);
+    for (const Selection& selection : {scene.selection, all, scene.selection}) {
+      prepared.select(selection);
+      const std::vector<reference::LitVoxel> expected = reference::lit_voxels(scene.content, selection);
+      const std::vector<reference::LitVoxel> ours = light_of(prepared);
       for (std::size_t n = 0; n < ours.size(); ++n) {
         ASSERT_NEAR(ours[n].lit, expected[n].lit, 2e-3) << "scene " << number << ", voxel " << n;
         if (ours[n].lit < 2e-3) continue;
@@ -90,13 +85,11 @@ TEST(VoxelLight, FollowsARampOfGreyValues) {
   const AtlasContent content = make_content(volume);
   PreparedSelection prepared(content, selection_of("ball:volume(low=80,high=140)", content.graph));
   const std::vector<bool> inside = ball_mask(volume.grid.size, {7, 6, 5}, 9);
-  for (const Axis axis : kAxes) {
-    const std::vector<reference::LitVoxel> light = light_along(prepared, axis);
-    for (std::size_t n = 0; n < light.size(); ++n) {
-      if (!inside[n]) continue;
-      EXPECT_GT(light[n].lit, 0.3);
-      EXPECT_LT(degrees_between(light[n].normal, {-3, 2, -1}), 0.95);  // the error of packing
-    }
+  const std::vector<reference::LitVoxel> light = light_of(prepared);
+  for (std::size_t n = 0; n < light.size(); ++n) {
+    if (!inside[n]) continue;
+    EXPECT_GT(light[n].lit, 0.3);
+    EXPECT_LT(degrees_between(light[n].normal, {-3, 2, -1}), 0.95);  // the error of packing
   }
 }
 
@@ -115,7 +108,7 @@ TEST(VoxelLight, LightsAGradedBallByItsRadius) {
   volume.structures = {{"all", full_mask(volume.grid.size)}};
   const AtlasContent content = make_content(volume);
   PreparedSelection prepared(content, selection_of("all:volume(curve=160:0/240:0.8)", content.graph));
-  const std::vector<reference::LitVoxel> light = light_along(prepared, Axis::kY);
+  const std::vector<reference::LitVoxel> light = light_of(prepared);
   const Grid& grid = prepared.atlas->grid();
   double squares = 0, count = 0;
   for_each_voxel(grid.size, [&](const Index3& at) {
@@ -143,7 +136,7 @@ TEST(VoxelLight, LeavesNoiseUnlitAndBordersToTheirLabels) {
   const AtlasContent content = make_content(volume);
   PreparedSelection prepared(content, selection_of("box:volume(low=0,high=255)", content.graph));
   const Grid& grid = prepared.atlas->grid();
-  const std::vector<reference::LitVoxel> light = light_along(prepared, Axis::kZ);
+  const std::vector<reference::LitVoxel> light = light_of(prepared);
   double lit = 0, inside = 0, faces = 0;
   for_each_voxel(grid.size, [&](const Index3& at) {
     const reference::LitVoxel& voxel = light[static_cast<std::size_t>(grid.offset(at[0], at[1], at[2]))];
