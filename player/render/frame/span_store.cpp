@@ -28,22 +28,22 @@ Blocks kept_voxels(const SpanModel& model, std::span<const VoxelPlane> planes, s
   return {static_cast<std::int64_t>(first), static_cast<std::int64_t>(last) + 1};
 }
 
-/// Lanes [first, last) of the blocks that hold these voxels of a row.
-std::pair<std::uint32_t, std::uint32_t> lanes_of(const SliceSpans& slice, std::int64_t row,
-                                                 const Blocks& voxels) {
-  std::pair<std::uint32_t, std::uint32_t> lanes{0, 0};
+/// Blocks [first, last) of the slice that hold these voxels of a row.
+std::pair<std::uint32_t, std::uint32_t> blocks_of(const SliceSpans& slice, std::int64_t row,
+                                                  const Blocks& voxels) {
+  std::pair<std::uint32_t, std::uint32_t> blocks{0, 0};
   for (const Span& span : slice.row(row)) {
     const std::int64_t begin = std::max<std::int64_t>(voxels.first >> kBlockBits, span.first_block);
     const std::int64_t end =
         std::min((voxels.last + kBlock - 1) >> kBlockBits, std::int64_t{span.first_block} + span.blocks);
     if (begin >= end) continue;
-    const auto lane = [&](std::int64_t block) {
-      return SliceSpans::lane_of(span, static_cast<std::uint32_t>(block << kBlockBits));
+    const auto of_slice = [&](std::int64_t block) {
+      return span.offset + static_cast<std::uint32_t>(block - span.first_block);
     };
-    if (lanes.first == lanes.second) lanes.first = lane(begin);
-    lanes.second = lane(end);
+    if (blocks.first == blocks.second) blocks.first = of_slice(begin);
+    blocks.second = of_slice(end);
   }
-  return lanes;
+  return blocks;
 }
 
 /// light_spans() for the voxels that a cut may show, of the slices that are not lit.
@@ -52,12 +52,11 @@ void light_kept_spans(SpanModel& model, std::span<const float> factors, std::spa
   pool.for_each(model.slices.size(), [&](std::size_t n) {
     SliceSpans& slice = model.slices[n];
     if (slice.is_lit) return;
-    auto run = slice.lit.runs.begin();
+    auto block = slice.lit.begin();
     for (std::int64_t row = slice.first_row; row < slice.last_row; ++row) {
-      const auto [first, last] = lanes_of(slice, row, kept_voxels(model, planes, slice.number, row));
-      for (; run != slice.lit.runs.end() && run->number < last; ++run) {
-        if (run->end() > first)
-          light_run(*run, std::max(first, run->number), std::min(last, run->end()), factors, slice);
+      const auto [first, last] = blocks_of(slice, row, kept_voxels(model, planes, slice.number, row));
+      for (; block != slice.lit.end() && block->block < last; ++block) {
+        if (block->block >= first) light_block(*block, factors, slice);
       }
     }
     slice.is_lit = true;
@@ -101,7 +100,7 @@ void AxisSpans::update_lighting(const ParallelView& view, const Lighting& lighti
   const bool same_cuts = shaded_cuts_.empty() || shaded_cuts_ == cuts;
   const bool same_view = shaded_for_ && have_same_lighting(*shaded_for_, view) && same_cuts;
   if (!partly_shaded_ && (shade ? same_view : !shaded_for_)) return;
-  if (model().lit_voxels > 0) {
+  if (model().lit_blocks > 0) {
     const std::vector<float> factors = shade ? lighting.table() : std::vector<float>(65536, 1.0f);
     partly_shaded_ = true;  // in case the task is cancelled
     if (!shade || !same_view) {

@@ -86,16 +86,15 @@ struct VoxelSums {
   float weight = 0, lit = 0;  ///< of the emission: all of it, and its lit part
   std::array<float, 3> normal{};
 
-  /// Adds a voxel, weighted by its emission. `lit`: null unless it is lit.
-  void add(float of_extinction, const std::array<float, 3>& of_emission, const LitVoxel* of_lit,
+  /// Adds a voxel, weighted by its emission.
+  void add(float of_extinction, const std::array<float, 3>& of_emission, const VoxelLight& light,
            const UnpackedNormals& unpacked) {
     const float of_weight = of_emission[0] + of_emission[1] + of_emission[2];
     extinction += of_extinction;
     weight += of_weight;
     for (std::size_t c = 0; c < 3; ++c) emission[c] += of_emission[c];
-    if (of_lit != nullptr)
-      add_light(of_weight * static_cast<float>(of_lit->light.lit) / VoxelLight::kAllLit, of_lit->light.normal,
-                unpacked);
+    if (light.lit > 0)
+      add_light(of_weight * static_cast<float>(light.lit) / VoxelLight::kAllLit, light.normal, unpacked);
   }
   /// Adds the lit emission of a voxel, in the unit of `weight`.
   void add_light(float emission_lit, PackedNormal of_voxel, const UnpackedNormals& unpacked) {

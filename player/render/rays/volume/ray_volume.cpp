@@ -46,7 +46,7 @@ class RayVolume::Builder {
       }
       for (std::size_t n = 0; n < any.bricks.size(); ++n) any.bricks[n] |= mask.bricks[n];
       source.active = brick_sums(mask);
-      for (const LitVoxels& slice : source.lit) volume_.lit_voxels_ += slice.voxels.size();
+      for (const LitBlocks& slice : source.lit) volume_.lit_blocks_ += slice.size();
     }
     volume_.active_ = brick_sums(any);
     for (const Source& source : volume_.sources_) volume_.views_.push_back(view_of_source(source));
@@ -350,7 +350,8 @@ class RayVolume::Builder {
     const VoxelLight* const light = request_.cache.light(piece.voxel + static_cast<std::size_t>(n),
                                                          request_.plan.classes[piece.draw].boundary);
     if (light == nullptr || light->lit == 0) return;
-    source.lit[static_cast<std::size_t>(z)].add(volume_.number(piece.x + n, piece.y), {white, *light}, color);
+    RayVolume::list_lit(volume_.number(piece.x + n, piece.y), white, *light, color,
+                        source.lit[static_cast<std::size_t>(z)]);
   }
 
   const RayVolumeRequest& request_;

@@ -198,13 +198,20 @@ class RayVolume {
     bool many_colors = false;
     SparseBytes values, colors;
     std::vector<std::uint32_t> active;
-    std::vector<LitVoxels> lit;  // by slice, with number()
+    std::vector<LitBlocks> lit;  // by slice, of number()
   };
   class Builder;
   class Averager;
   /// Padding of the selection's bounding box by empty voxels.
   static constexpr std::int64_t kMargin = 2;
 
+  /// Lists a lit voxel of a slice. `white`: its unlit emission of white.
+  static void list_lit(std::uint32_t number, float white, const VoxelLight& light,
+                       const std::array<float, 3>& color, LitBlocks& slice) {
+    LitBlock& block = require_block(slice, number >> kBlockBits, color);
+    block.whites[number % kBlock] = white;
+    block.lights[number % kBlock] = light;
+  }
   /// Number of a voxel in its slice of the box.
   [[nodiscard]] std::uint32_t number(std::int64_t x, std::int64_t y) const {
     return static_cast<std::uint32_t>(place(x, y, 0));
@@ -220,7 +227,7 @@ class RayVolume {
   std::vector<MarchSource> views_;
   std::vector<std::uint32_t> active_;
   SparseBytes numbers_, cell_numbers_;
-  std::uint64_t runs_ = 0, voxels_ = 0, lit_voxels_ = 0, bytes_ = 0;
+  std::uint64_t runs_ = 0, voxels_ = 0, lit_blocks_ = 0, bytes_ = 0;
   Classification classification_ = Classification::kBefore;
   bool shade_ = false;
   std::optional<ParallelView> lit_for_;  // none: not lit, or partly lit

@@ -48,7 +48,7 @@ class RayVolume::Averager {
   [[nodiscard]] bool has_slice(std::int64_t slice) const {
     return slice >= fine_.first_[2] && slice < fine_.first_[2] + fine_.grid_.size[2];
   }
-  [[nodiscard]] const LitVoxels& lit_of(std::int64_t slice) const {
+  [[nodiscard]] const LitBlocks& lit_of(std::int64_t slice) const {
     return fine_.sources_.front().lit[static_cast<std::size_t>(slice - fine_.first_[2])];
   }
 
@@ -60,12 +60,13 @@ class RayVolume::Averager {
     std::uint32_t number = fine_.number(x, y);
     for (std::uint32_t voxel = run.start; voxel < run.start + run.length; ++voxel, ++number, optics += 4) {
       if (optics[0] <= 0) continue;
-      const LitVoxel* const is_lit = lit.find(number);
       std::array<float, 3> emission{optics[1], optics[2], optics[3]};
-      if (is_lit != nullptr) {
-        for (std::size_t c = 0; c < 3; ++c) emission[c] = is_lit->white * lit.color()[c];
+      VoxelLight light;
+      if (const LitBlock* const block = lit.find(number)) {
+        for (std::size_t c = 0; c < 3; ++c) emission[c] = block->whites[number % kBlock] * block->color[c];
+        light = block->lights[number % kBlock];
       }
-      sums_[static_cast<std::size_t>((voxel >> level_) - coarse_.first_[0])].add(optics[0], emission, is_lit,
+      sums_[static_cast<std::size_t>((voxel >> level_) - coarse_.first_[0])].add(optics[0], emission, light,
                                                                                  unpacked_);
     }
   }
@@ -84,8 +85,8 @@ class RayVolume::Averager {
       optics[at] = sums.extinction * per_voxel;
       for (std::size_t c = 0; c < 3; ++c) optics[at + 1 + c] = sums.emission[c] * per_voxel;
       if (const std::uint16_t lit = sums.lit_share(); lit > 0) {
-        source.lit[static_cast<std::size_t>(z)].add(
-            coarse_.number(x, y), {sums.weight * per_voxel, {pack_normal(sums.normal), lit}}, sums.color());
+        list_lit(coarse_.number(x, y), sums.weight * per_voxel, {pack_normal(sums.normal), lit}, sums.color(),
+                 source.lit[static_cast<std::size_t>(z)]);
       }
       mark_around(mask, seen, x, y);
       sums = {};
@@ -133,12 +134,12 @@ Result<RayVolume> RayVolume::means(const SelectedRuns& runs, int level, ThreadPo
   coarse.views_.push_back(
       {.optics = reinterpret_cast<const float*>(source.values.data()), .active = source.active.data()});
   coarse.voxels_ = std::accumulate(blocks.begin(), blocks.end(), std::uint64_t{0});
-  for (const LitVoxels& slice : source.lit) coarse.lit_voxels_ += slice.voxels.size();
+  for (const LitBlocks& slice : source.lit) coarse.lit_blocks_ += slice.size();
   return coarse;
 }
 
 void RayVolume::light(const ParallelView& view, const Lighting& lighting, ThreadPool& pool) {
-  if (lit_voxels_ == 0 || (lit_for_ && have_same_lighting(*lit_for_, view))) return;
+  if (lit_blocks_ == 0 || (lit_for_ && have_same_lighting(*lit_for_, view))) return;
   lit_for_.reset();
   const std::vector<float> factors = lighting.table();
   for (Source& source : sources_) {
@@ -147,12 +148,12 @@ void RayVolume::light(const ParallelView& view, const Lighting& lighting, Thread
     float* const colors = reinterpret_cast<float*>(bytes.data()) + (source.transfer ? 0 : 1);
     pool.for_each(source.lit.size(), [&](std::size_t slice) {
       float* const of_slice = colors + 4 * place(0, 0, static_cast<std::int64_t>(slice));
-      for (const LitRun& run : source.lit[slice].runs) {
-        float* color = of_slice + std::size_t{4} * run.number;
-        const LitVoxel* voxel = source.lit[slice].voxels.data() + run.first;
-        for (std::uint32_t n = 0; n < run.count; ++n, ++voxel, color += 4) {
-          const float white = voxel->lit_white(factors[voxel->light.normal]);
-          for (std::size_t c = 0; c < 3; ++c) color[c] = white * run.color[c];
+      for (const LitBlock& block : source.lit[slice]) {
+        float* color = of_slice + std::size_t{4} * kBlock * block.block;
+        for (std::size_t n = 0; n < kBlock; ++n, color += 4) {
+          if (block.lights[n].lit == 0) continue;
+          const float white = block.lit_white(n, factors);
+          for (std::size_t c = 0; c < 3; ++c) color[c] = white * block.color[c];
         }
       }
     });

@@ -239,12 +239,11 @@ void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
       SliceSpans& slice = model_.slices[to_build[n]];
       const RowRange& rows = changed[to_build[n]];
       std::swap(slice, before);
-      const LitVoxels& similar = n == first ? before.lit : model_.slices[to_build[n - 1]].lit;
+      const LitBlocks& similar = n == first ? before.lit : model_.slices[to_build[n - 1]].lit;
       slice.number = before.number;
       slice.is_lit = false;
       slice.optics = arena_.lend(before.optics.size() + max_floats(request, slice.number, rows));
-      slice.lit.voxels.reserve(similar.voxels.size() * 9 / 8);
-      slice.lit.runs.reserve(similar.runs.size() * 9 / 8);
+      slice.lit.reserve(similar.size() * 9 / 8);
       write_slice(request, rows, before, slice);
       before.optics = {};
       arena_.settle(slice.optics);
@@ -254,7 +253,7 @@ void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
   // Update counters and free unused memory
   for (const SliceSpans& slice : model_.slices) {
     model_.voxels += slice.voxels;
-    model_.lit_voxels += slice.lit.voxels.size();
+    model_.lit_blocks += slice.lit.size();
   }
   arena_.trim(std::max(arena_.bytes_in_use(), kMaxUnusedBytes));
 }

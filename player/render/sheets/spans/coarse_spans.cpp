@@ -72,11 +72,13 @@ class SliceAverager {
       const std::size_t at = index(voxel);
       VoxelSums& sums = sums_[row * width_ + at];
       rows_[row] = {std::min(rows_[row].first, at), std::max(rows_[row].last, at + 1)};
-      const LitVoxel* const is_lit = lit.find(lane);
+      const LitBlock* const lit_block = lit.find(lane);
       std::array<float, 3> emission{};
       for (std::size_t c = 0; c < static_cast<std::size_t>(slice.emissions); ++c)
-        emission[c] = is_lit != nullptr ? is_lit->white * lit.color()[c] : optics[(c + 1) * kBlock];
-      sums.add(optics[0], emission, shade_ ? is_lit : nullptr, unpacked_);
+        emission[c] = lit_block != nullptr ? lit_block->whites[lane % kBlock] * lit_block->color[c]
+                                           : optics[(c + 1) * kBlock];
+      const bool is_lit = shade_ && lit_block != nullptr;
+      sums.add(optics[0], emission, is_lit ? lit_block->lights[lane % kBlock] : VoxelLight{}, unpacked_);
     }
   }
   [[nodiscard]] std::size_t index(std::uint32_t voxel) const {
@@ -128,7 +130,7 @@ void light_again(SpanModel& spans, std::optional<ParallelView>& lit_for, const P
   if (lit_for && have_same_lighting(*lit_for, view)) return;
   lit_for.reset();  // in case the task is cancelled
   forget_light(spans);
-  if (spans.lit_voxels > 0) light_spans(spans, lighting.table(), pool);
+  if (spans.lit_blocks > 0) light_spans(spans, lighting.table(), pool);
   lit_for = view;
 }
 
@@ -170,7 +172,7 @@ CoarseSpans::CoarseSpans(const SpanModel& fine, bool shade, int level, ThreadPoo
   });
   for (const SliceSpans& slice : model_.slices) {
     model_.voxels += slice.voxels;
-    model_.lit_voxels += slice.lit.voxels.size();
+    model_.lit_blocks += slice.lit.size();
   }
 }
 
@@ -227,9 +229,9 @@ void BlockSpans::scale_by_shares(SpanModel& spans, ThreadPool& pool) const {
       float* const optics = slice.optics.data() + lane / kBlock * block_floats + lane % kBlock;
       for (std::size_t c = 0; c <= emissions; ++c) optics[c * kBlock] *= shares[lane];
     }
-    for (const LitRun& run : slice.lit.runs) {
-      for (std::uint32_t lit = 0; lit < run.count; ++lit)
-        slice.lit.voxels[run.first + lit].white *= shares[run.number + lit];
+    for (LitBlock& block : slice.lit) {
+      for (std::size_t lane = 0; lane < kBlock; ++lane)
+        block.whites[lane] *= shares[std::size_t{block.block} * kBlock + lane];
     }
   });
 }

@@ -90,7 +90,7 @@ struct SliceSpans {
   std::vector<std::uint32_t> first_span;     ///< last_row - first_row + 1 offsets; empty without spans
   std::vector<Span> spans;                   ///< by row, then position
   OpticalBuffer optics;                      ///< of all blocks
-  LitVoxels lit;                             ///< by lane
+  LitBlocks lit;                             ///< of lanes
   std::uint64_t voxels = 0;                  ///< selected voxels with an extinction above 0
   bool is_lit = false;                       ///< the emissions are those of the latest light
 
@@ -127,7 +127,7 @@ struct SpanModel {
   double mean_densest_per_mm = 0;
   std::vector<SliceSpans> slices;  ///< by number; slices without spans may be missing
   std::uint64_t voxels = 0;
-  std::uint64_t lit_voxels = 0;
+  std::uint64_t lit_blocks = 0;
 
   /// Index of the first slice with at least this number.
   [[nodiscard]] std::size_t place_of(std::int64_t number) const {
@@ -143,18 +143,14 @@ struct SpanModel {
   }
 };
 
-/// Lights voxels [first, last) of a run of a slice: multiplies the lit part of their unlit emissions by
-/// `factors[normal]`.
-inline void light_run(const LitRun& run, std::uint32_t first, std::uint32_t last,
-                      std::span<const float> factors, SliceSpans& slice) {
-  const LitVoxel* voxel = slice.lit.voxels.data() + run.first + (first - run.number);
-  for (std::uint32_t lane = first; lane < last; ++lane, ++voxel) {
-    const float white = voxel->lit_white(factors[voxel->light.normal]);
-    float* const emission = slice.optics.data() + slice.place(lane) + kBlock;
-    emission[0] = white * run.color[0];
-    if (slice.emissions == 1) continue;
-    emission[kBlock] = white * run.color[1];
-    emission[2 * kBlock] = white * run.color[2];
+/// Lights voxels of a slice: multiplies the lit part of their unlit emissions by `factors[normal]`.
+inline void light_block(const LitBlock& block, std::span<const float> factors, SliceSpans& slice) {
+  float* const emission = slice.optics.data() + slice.place(block.block << kBlockBits) + kBlock;
+  for (std::size_t n = 0; n < kBlock; ++n) {
+    if (block.lights[n].lit == 0) continue;
+    const float white = block.lit_white(n, factors);
+    for (std::size_t c = 0; c < static_cast<std::size_t>(slice.emissions); ++c)
+      emission[c * kBlock + n] = white * block.color[c];
   }
 }
 
@@ -168,7 +164,7 @@ inline void light_spans(SpanModel& model, std::span<const float> factors, Thread
   pool.for_each(model.slices.size(), [&](std::size_t n) {
     SliceSpans& slice = model.slices[n];
     if (slice.is_lit) return;
-    for (const LitRun& run : slice.lit.runs) light_run(run, run.number, run.end(), factors, slice);
+    for (const LitBlock& block : slice.lit) light_block(block, factors, slice);
     slice.is_lit = true;
   });
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <span>
 #include <utility>
 
 #include <hwy/cache_control.h>
@@ -54,6 +55,7 @@ void SpanWriter::make_room(std::size_t floats) {
   for (std::size_t plane = 0; plane < planes; ++plane)
     std::copy_n(line_.data() + plane * before, before, line.data() + plane * now);
   line_ = std::move(line);
+  lights_.resize(now);
   plane_floats_ = static_cast<std::int64_t>(now);
 }
 
@@ -69,8 +71,13 @@ void SpanWriter::color(std::uint32_t first, std::uint32_t count, const std::arra
     }
   }
   if (lights == nullptr) return;
-  lit_.push_back(
-      {first, count, static_cast<std::size_t>(extinction - line_.data()), of_voxels, lights, stride});
+  const auto place = static_cast<std::size_t>(extinction - line_.data());
+  for (std::uint32_t n = 0; n < count; ++n) lights_[place + n] = lights[n * stride];
+  if (!lit_.empty() && lit_.back().end == place && lit_.back().color == of_voxels) {
+    lit_.back().end += count;
+  } else {
+    lit_.push_back({place, place + count, of_voxels});
+  }
 }
 
 void SpanWriter::end_row(std::int64_t row) {
@@ -82,9 +89,9 @@ void SpanWriter::end_row(std::int64_t row) {
   }
   blocks_.clear();
   end_span(first_of_row);
-  std::size_t s = first_of_row;
-  for (const Run& run : lit_) list(run, s);
+  for (const Run& run : lit_) std::fill_n(lights_.data() + run.place, run.end - run.place, VoxelLight{});
   lit_.clear();
+  next_lit_ = 0;
   list_row(row, first_of_row);
 }
 
@@ -99,21 +106,17 @@ void SpanWriter::list_row(std::int64_t row, std::size_t first_of_row) {
 
 void SpanWriter::copy(const SliceSpans& from, std::int64_t first, std::int64_t last) {
   const auto block_floats = static_cast<std::size_t>(out_.block_floats());
-  std::vector<LitVoxel>& voxels = out_.lit.voxels;
-  auto run = from.lit.runs.begin();
+  auto lit = from.lit.begin();
   for (std::int64_t row = first; row < std::min(last, from.last_row); ++row) {
     const std::size_t first_of_row = out_.spans.size();
     for (Span span : from.row(row)) {
       const std::size_t floats = span.blocks * block_floats;
       const auto offset = static_cast<std::uint32_t>(out_.optics.size() / block_floats);
       std::copy_n(from.optics.data() + span.offset * block_floats, floats, out_.optics.append(floats));
-      const std::uint32_t lane = span.offset << kBlockBits, end = lane + (span.blocks << kBlockBits);
-      for (; run != from.lit.runs.end() && run->number < end; ++run) {
-        if (run->number < lane) continue;
-        out_.lit.runs.push_back({run->number - lane + (offset << kBlockBits),
-                                 static_cast<std::uint32_t>(voxels.size()), run->count, run->color});
-        const auto lit = from.lit.voxels.begin() + run->first;
-        voxels.insert(voxels.end(), lit, lit + run->count);
+      for (; lit != from.lit.end() && lit->block < span.offset + span.blocks; ++lit) {
+        if (lit->block < span.offset) continue;
+        out_.lit.push_back(*lit);
+        out_.lit.back().block += offset - span.offset;
       }
       span.offset = offset;
       out_.spans.push_back(span);
@@ -142,6 +145,7 @@ void SpanWriter::keep(std::uint32_t block, float* line, std::size_t first_of_row
       spans.push_back({block, 0, 0, static_cast<std::uint32_t>(floats)});
     }
   }
+  list(static_cast<std::size_t>(line - line_.data()));
   append(line);
   ++spans.back().blocks;
   spans.back().voxels += absorbing;
@@ -166,34 +170,21 @@ void SpanWriter::end_span(std::size_t first_of_row) {
   ++out_.spans.back().blocks;
 }
 
-/// Lists the lit voxels of a run, block by block. `s`: the first span of the row that may hold them.
-void SpanWriter::list(const Run& run, std::size_t& s) {
-  const float* const whites = line_.data() + white_plane() * plane_floats_ + run.place;
-  const std::vector<Span>& spans = out_.spans;
-  std::vector<LitVoxel>& voxels = out_.lit.voxels;
-  std::size_t size = voxels.size();
-  voxels.resize(size + run.count);
-  bool goes_on = false;
-  const std::uint32_t end = run.first + run.count;
-  for (std::uint32_t voxel = run.first; voxel < end;) {
-    while (s < spans.size() && spans[s].first_block + spans[s].blocks <= block_of(voxel)) ++s;
-    if (s == spans.size()) break;
-    voxel = std::max(voxel, spans[s].first_block << kBlockBits);
-    const std::uint32_t last = std::min(end, (block_of(voxel) + 1) << kBlockBits);
-    std::uint32_t lane = SliceSpans::lane_of(spans[s], voxel);
-    const float* const white =
-        out_.emissions == 1 ? out_.optics.data() + out_.place(lane) + kBlock : whites + (voxel - run.first);
-    for (std::uint32_t n = 0, of_run = voxel - run.first; voxel < last; ++n, ++of_run, ++voxel, ++lane) {
-      const VoxelLight& light = run.lights[of_run * run.stride];
-      const bool is_lit = light.lit > 0 && white[n] > 0;
-      if (is_lit && !goes_on) out_.lit.begin_run(lane, size, run.color);
-      goes_on = is_lit;
-      if (!is_lit) continue;
-      voxels[size++] = {white[n], light};
-      ++out_.lit.runs.back().count;
-    }
+/// Lists the lit voxels of the block at this place of the buffer, which is kept next.
+void SpanWriter::list(std::size_t place) {
+  while (next_lit_ < lit_.size() && lit_[next_lit_].end <= place) ++next_lit_;
+  const auto block =
+      static_cast<std::uint32_t>(out_.optics.size() / static_cast<std::size_t>(out_.block_floats()));
+  const float* const whites = line_.data() + white_plane() * plane_floats_;
+  for (std::size_t n = next_lit_; n < lit_.size() && lit_[n].place < place + kBlock; ++n) {
+    const std::size_t begin = std::max(lit_[n].place, place),
+                      end = std::min<std::size_t>(lit_[n].end, place + kBlock);
+    const std::span<const VoxelLight> lights(lights_.data() + begin, end - begin);
+    if (std::ranges::none_of(lights, [](const VoxelLight& light) { return light.lit > 0; })) continue;
+    LitBlock& lit = require_block(out_.lit, block, lit_[n].color);
+    std::copy(whites + begin, whites + end, lit.whites.data() + (begin - place));
+    std::copy(lights.begin(), lights.end(), lit.lights.data() + (begin - place));
   }
-  voxels.resize(size);
 }
 
 }  // namespace splatlas

@@ -52,13 +52,10 @@ class SpanWriter {
     std::size_t place = 0;
     [[nodiscard]] std::size_t end() const { return place + (std::size_t{last - first} << kBlockBits); }
   };
-  /// Voxels of a row that may be lit.
+  /// Voxels of a row that may be lit, of one colour: [place, end) of every plane of the buffer.
   struct Run {
-    std::uint32_t first = 0, count = 0;
-    std::size_t place = 0;  // of the first in every plane of the buffer
+    std::size_t place = 0, end = 0;
     std::array<float, 3> color{};
-    const VoxelLight* lights = nullptr;
-    std::size_t stride = 1;
   };
   /// Plane of the emissions of white: the only ones, or behind the three others.
   [[nodiscard]] std::int64_t white_plane() const { return out_.emissions == 1 ? 1 : 4; }
@@ -66,7 +63,7 @@ class SpanWriter {
   void keep(std::uint32_t block, float* line, std::size_t first_of_row);
   void append(const float* line);
   void end_span(std::size_t first_of_row);
-  void list(const Run& run, std::size_t& s);
+  void list(std::size_t place);
   void list_row(std::int64_t row, std::size_t first_of_row);
 
   SliceSpans& out_;
@@ -74,8 +71,10 @@ class SpanWriter {
   // Planes: extinction, emissions, and the emission of white if there are three others. All but the last are
   // zero outside blocks_.
   std::vector<float> line_;
+  std::vector<VoxelLight> lights_;  // another plane; 0 outside lit_
   std::vector<Blocks> blocks_;
   std::vector<Run> lit_;
+  std::size_t next_lit_ = 0;  // that may reach a block to keep
 };
 
 }  // namespace splatlas

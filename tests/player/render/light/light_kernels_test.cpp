@@ -28,7 +28,7 @@ struct Rows {
   GradientRow gradients() {
     return {{direction[0].data(), direction[1].data(), direction[2].data()}, coherence.data(), reach.data()};
   }
-  LitRow lights() { return {normals.data(), lit.data()}; }
+  LightRow lights() { return {normals.data(), lit.data()}; }
 };
 
 double degrees_apart(PackedNormal packed, const std::array<float, 3>& v) {
@@ -62,7 +62,7 @@ TEST_P(LightKernelsOf, PackGradientsTowardsLowExtinctions) {
   rows.direction[0][2] = rows.direction[1][2] = 0;
   rows.direction[2][2] = 1e-20f;
   const std::vector<float> below(kCount + kLightPadding, 0.25f), above(kCount + kLightPadding, 0.5f);
-  light_kernels().interior(below.data(), above.data(), kCount, rows.gradients(), rows.lights());
+  light_kernels().light(below.data(), above.data(), kCount, rows.gradients(), rows.lights());
   double largest = 0;
   for (std::size_t n = 2; n < kCount; ++n) {
     ASSERT_EQ(rows.lit[n], 65535);
@@ -79,7 +79,10 @@ TEST_P(LightKernelsOf, KeepTheNormalsOfBordersInNoise) {
   for (std::vector<float>& of_axis : rows.direction) std::ranges::fill(of_axis, 1.0f);
   std::vector<PackedNormal> labels(kCodes + kLightPadding);
   for (std::size_t n = 0; n < kCodes; ++n) labels[n] = static_cast<PackedNormal>(n);
-  light_kernels().boundary(labels.data(), kCodes, rows.gradients(), rows.lights());
+  rows.normals = labels;
+  std::ranges::fill(rows.lit, VoxelLight::kAllLit);
+  const std::vector<float> none(kCodes + kLightPadding);
+  light_kernels().light(none.data(), none.data(), kCodes, rows.gradients(), rows.lights());
   for (std::size_t n = 0; n < kCodes; ++n) {
     const std::array<float, 3> is = unpack_normal(rows.normals[n]), was = unpack_normal(labels[n]);
     for (std::size_t a = 0; a < 3; ++a) ASSERT_NEAR(is[a], was[a], 1e-6) << n;

@@ -63,7 +63,7 @@ TEST(BuildSpans, TakesNoMoreMemoryThanItSays) {
         std::uint64_t bytes = 0;
         for (const SliceSpans& slice : model.slices) {
           bytes += slice.optics.size() * sizeof(float) + slice.spans.size() * sizeof(Span) +
-                   slice.lit.voxels.size() * sizeof(LitVoxel) + slice.lit.runs.size() * sizeof(LitRun);
+                   slice.lit.size() * sizeof(LitBlock);
         }
         EXPECT_LE(bytes, span_model_bytes(prepared.plan.volume_voxels, prepared.atlas->runs(Axis::kZ)))
             << visible << " visible, " << gap << " not";

@@ -65,10 +65,10 @@ TEST(CoarseSpans, AreNotLitUnlessTheRequestAsksForIt) {
   const RandomScene scene = random_scene(1, 20);
   PreparedSelection prepared(scene.content, scene.selection);
   const SpanModel fine = prepared.spans(Axis::kZ);
-  ASSERT_GT(fine.lit_voxels, 0u);
+  ASSERT_GT(fine.lit_blocks, 0u);
   const CoarseSpans spans(fine, false, 1, prepared.pool);
   EXPECT_GT(spans.model().voxels, 0u);
-  EXPECT_EQ(spans.model().lit_voxels, 0u);
+  EXPECT_EQ(spans.model().lit_blocks, 0u);
 }
 
 TEST(VoxelSums, HaveAColourForTheSmallestEmissions) {
