@@ -9,6 +9,7 @@
 #include "format/tasks/task_control.h"
 #include "player/render/clip/cut_rays.h"
 #include "player/render/frame/stopwatch.h"
+#include "player/render/light/voxel_light.h"
 #include "player/render/sheets/splat/block_runs.h"
 
 namespace splatlas {
@@ -49,15 +50,19 @@ std::pair<std::uint32_t, std::uint32_t> blocks_of(const SliceSpans& slice, std::
 /// light_spans() for the voxels that a cut may show, of the slices that are not lit.
 void light_kept_spans(SpanModel& model, std::span<const float> factors, std::span<const VoxelPlane> planes,
                       ThreadPool& pool) {
+  const LightKernels kernels = light_kernels();
   pool.for_each(model.slices.size(), [&](std::size_t n) {
     SliceSpans& slice = model.slices[n];
     if (slice.is_lit) return;
-    auto block = slice.lit.begin();
+    const LitBlock* block = slice.lit.data();
+    const LitBlock* const all = block + slice.lit.size();
     for (std::int64_t row = slice.first_row; row < slice.last_row; ++row) {
       const auto [first, last] = blocks_of(slice, row, kept_voxels(model, planes, slice.number, row));
-      for (; block != slice.lit.end() && block->block < last; ++block) {
-        if (block->block >= first) light_block(*block, factors, slice);
-      }
+      block = std::ranges::lower_bound(block, all, first, {}, &LitBlock::block);
+      const LitBlock* const end = std::ranges::lower_bound(block, all, last, {}, &LitBlock::block);
+      kernels.emit({block, static_cast<std::size_t>(end - block)}, factors.data(), slice.emissions,
+                   slice.optics.data());
+      block = end;
     }
     slice.is_lit = true;
   });

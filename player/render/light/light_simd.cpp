@@ -5,6 +5,7 @@
 // Must come after foreach_target.h.
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include <hwy/highway.h>
 
@@ -268,6 +269,29 @@ void Light(const float* below, const float* above, std::size_t count, const Grad
   }
 }
 
+void Emit(std::span<const LitBlock> blocks, const float* factors, int emissions, float* optics) {
+  const F d;
+  const I di;
+  const Floats one = hn::Set(d, 1), all_lit = hn::Set(d, VoxelLight::kAllLit);
+  for (const LitBlock& block : blocks) {
+    float* const emission = optics + block.block * kBlock * (1 + emissions) + kBlock;
+    for (std::size_t n = 0; n < kBlock; n += hn::Lanes(d)) {
+      const Ints light = hn::LoadU(di, reinterpret_cast<const std::int32_t*>(block.lights.data() + n));
+      const Ints lit = hn::BitCast(di, hn::ShiftRight<16>(hn::BitCast(hn::RebindToUnsigned<I>(), light)));
+      const Floats factor = hn::GatherIndex(d, factors, hn::And(light, hn::Set(di, 0xffff)));
+      const Floats share = hn::Div(hn::ConvertTo(d, lit), all_lit);
+      const Floats of_white = hn::Add(one, hn::Mul(share, hn::Sub(factor, one)));
+      const Floats white = hn::Mul(hn::LoadU(d, block.whites.data() + n), of_white);
+      const auto is_lit = hn::RebindMask(d, hn::Gt(lit, hn::Zero(di)));
+      for (int c = 0; c < emissions; ++c) {
+        float* const to = emission + c * kBlock + n;
+        const Floats colored = hn::Mul(white, hn::Set(d, block.color[static_cast<std::size_t>(c)]));
+        hn::StoreU(hn::IfThenElse(is_lit, colored, hn::LoadU(d, to)), d, to);
+      }
+    }
+  }
+}
+
 }  // namespace splatlas::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -279,11 +303,12 @@ namespace splatlas {
 HWY_EXPORT(MeasureGradient);
 HWY_EXPORT(FindExtinctions);
 HWY_EXPORT(Light);
+HWY_EXPORT(Emit);
 
 LightKernels light_kernels() {
   static_cast<void>(best_target());  // applies SPLATLAS_SIMD
   return {HWY_DYNAMIC_DISPATCH(MeasureGradient), HWY_DYNAMIC_DISPATCH(FindExtinctions),
-          HWY_DYNAMIC_DISPATCH(Light)};
+          HWY_DYNAMIC_DISPATCH(Light), HWY_DYNAMIC_DISPATCH(Emit)};
 }
 
 }  // namespace splatlas

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "format/content/grid.h"
 #include "format/content/unit_vector.h"
@@ -66,6 +67,9 @@ struct LightKernels {
   /// as both have one direction. Others are lit where the extinctions around the grey value differ.
   void (*light)(const float* below, const float* above, std::size_t count, const GradientRow& gradients,
                 const LightRow& voxels);
+  /// Sets the emissions of lit voxels: LitBlock::lit_white() times the colour. `optics`: of blocks, with 1 or
+  /// 3 emissions.
+  void (*emit)(std::span<const LitBlock> blocks, const float* factors, int emissions, float* optics);
 };
 
 /// For the best instruction set of the machine, with equal bits on all.

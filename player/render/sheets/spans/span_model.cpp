@@ -4,6 +4,7 @@
 #include <new>
 
 #include "player/render/decode/sparse_bytes.h"
+#include "player/render/light/voxel_light.h"
 
 namespace splatlas {
 namespace {
@@ -104,6 +105,16 @@ void OpticalArena::trim(std::uint64_t bytes) {
     if (chunk.use_count() == 1 && kept + more > bytes) return true;
     if (chunk.use_count() == 1) kept += more;
     return false;
+  });
+}
+
+void light_spans(SpanModel& model, std::span<const float> factors, ThreadPool& pool) {
+  const LightKernels kernels = light_kernels();
+  pool.for_each(model.slices.size(), [&](std::size_t n) {
+    SliceSpans& slice = model.slices[n];
+    if (slice.is_lit) return;
+    kernels.emit(slice.lit, factors.data(), slice.emissions, slice.optics.data());
+    slice.is_lit = true;
   });
 }
 

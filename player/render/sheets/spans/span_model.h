@@ -143,30 +143,13 @@ struct SpanModel {
   }
 };
 
-/// Lights voxels of a slice: multiplies the lit part of their unlit emissions by `factors[normal]`.
-inline void light_block(const LitBlock& block, std::span<const float> factors, SliceSpans& slice) {
-  float* const emission = slice.optics.data() + slice.place(block.block << kBlockBits) + kBlock;
-  for (std::size_t n = 0; n < kBlock; ++n) {
-    if (block.lights[n].lit == 0) continue;
-    const float white = block.lit_white(n, factors);
-    for (std::size_t c = 0; c < static_cast<std::size_t>(slice.emissions); ++c)
-      emission[c * kBlock + n] = white * block.color[c];
-  }
-}
-
 /// Before a change of light.
 inline void forget_light(SpanModel& model) {
   for (SliceSpans& slice : model.slices) slice.is_lit = false;
 }
 
-/// Lights the slices that are not lit. `factors`: 65536, by packed normal.
-inline void light_spans(SpanModel& model, std::span<const float> factors, ThreadPool& pool) {
-  pool.for_each(model.slices.size(), [&](std::size_t n) {
-    SliceSpans& slice = model.slices[n];
-    if (slice.is_lit) return;
-    for (const LitBlock& block : slice.lit) light_block(block, factors, slice);
-    slice.is_lit = true;
-  });
-}
+/// Lights the slices that are not lit: multiplies the lit part of unlit emissions by `factors[normal]`,
+/// 65536.
+void light_spans(SpanModel& model, std::span<const float> factors, ThreadPool& pool);
 
 }  // namespace splatlas
