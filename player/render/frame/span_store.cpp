@@ -87,13 +87,21 @@ std::uint64_t memory_left(std::uint64_t max_memory_bytes, std::uint64_t used) {
   return std::max(all - std::min(used, all), all / 8);
 }
 
-void AxisSpans::require(const SpanSource& source, SelectedRuns runs, ThreadPool& pool) {
+void AxisSpans::require(const SpanSource& source, SelectedRuns runs, const ParallelView* view,
+                        const Lighting& lighting, ThreadPool& pool) {
   const auto& [plan, appearances, selection, atlas, cache, shade] = source;
   if (current(shade)) return;
   // If an allocation throws, no incomplete spans remain marked as current.
   runs_.reset();
   SpanBuilder spans = std::exchange(spans_, {});
-  spans.build({runs, plan, appearances, atlas->classes(), atlas->grid(), cache, shade}, pool);
+  std::vector<float> factors;
+  if (shade && view != nullptr) {
+    if (!shaded_for_ || !have_same_lighting(*shaded_for_, *view)) forget_light(spans.model());
+    factors = lighting.table();
+    shaded_for_ = *view;
+    shaded_cuts_ = {};
+  }
+  spans.build({runs, plan, appearances, atlas->classes(), atlas->grid(), cache, shade, {}, factors}, pool);
   spans_ = std::move(spans);
   runs_.emplace(std::move(runs));
   lists_shaded_ = shade;
@@ -158,7 +166,7 @@ SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& vie
     if (!has_means) {
       means_.reset();
       if (!spans) spans.emplace();
-      spans->require(source, std::move(runs), pool);
+      spans->require(source, std::move(runs), nullptr, lighting, pool);
       latest_ = axis;
       means_.emplace(spans->model(), shade, detail.level, pool);
     }
@@ -175,7 +183,7 @@ SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& vie
   }
   strip_.reset();
   if (!spans) spans.emplace();
-  spans->require(source, std::move(runs), pool);
+  spans->require(source, std::move(runs), options.cuts.empty() ? &view : nullptr, lighting, pool);
   built();
   spans->update_lighting(view, lighting, shade, options.cuts, atlas->grid(), pool);
   stats.traversal += watch.lap();
@@ -194,8 +202,9 @@ SheetSpans SpanStore::in_strips(const SpanSource& source, SelectedRuns runs, con
           [this, request, &lighting, &pool](const SheetStrip& strip) -> const SpanModel& {
             SpanRequest of_strip = request;
             of_strip.strip.emplace(strip);
+            const std::vector<float> factors = lighting.table();
+            if (request.shade) of_strip.factors = factors;
             strip_.emplace().build(of_strip, pool);
-            if (request.shade) light_spans(strip_->model(), lighting.table(), pool);
             return strip_->model();
           }};
 }

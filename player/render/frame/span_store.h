@@ -45,8 +45,10 @@ class AxisSpans {
   [[nodiscard]] bool current(bool shade) const { return runs_ && (lists_shaded_ || !shade); }
   /// Marks the spans as those of an earlier selection.
   void outdate() { runs_.reset(); }
-  /// Makes the spans current. `runs`: the selected ones. Throws std::bad_alloc.
-  void require(const SpanSource& source, SelectedRuns runs, ThreadPool& pool);
+  /// Makes the spans current. `runs`: the selected ones. Those that are built are lit for `view` at once,
+  /// while a processor's cache holds them, unless it is null. Throws std::bad_alloc.
+  void require(const SpanSource& source, SelectedRuns runs, const ParallelView* view,
+               const Lighting& lighting, ThreadPool& pool);
   /// Hybrid shading: lights boundary voxels for `view` if that has changed, but none that the cuts remove.
   void update_lighting(const ParallelView& view, const Lighting& lighting, bool shade, const CutPlanes& cuts,
                        const Grid& grid, ThreadPool& pool);

@@ -245,6 +245,7 @@ void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
       slice.optics = arena_.lend(before.optics.size() + max_floats(request, slice.number, rows));
       slice.lit.reserve(similar.size() * 9 / 8);
       write_slice(request, rows, before, slice);
+      if (!request.factors.empty()) light_slice(slice, request.factors);
       before.optics = {};
       arena_.settle(slice.optics);
     }

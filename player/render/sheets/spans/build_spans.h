@@ -87,6 +87,8 @@ struct SpanRequest {
   const ClassCache& cache;
   bool shade = true;                               ///< list lit voxels for light_spans()
   std::optional<SheetStrip> strip = std::nullopt;  ///< of the voxels; none: all
+  /// Lights the slices that are built, as light_spans() does; empty: none.
+  std::span<const float> factors = {};
 };
 
 /// A model without slices: the box and the appearances of a request.
@@ -97,10 +99,10 @@ class SpanBuilder {
  public:
   /// Looks up the optical properties of every selected voxel (pre-classification) and packs them into spans.
   /// Voxels without extinction are omitted. Slices whose classes keep their appearance remain unchanged, with
-  /// their shading. Others are no longer lit; they keep the rows before and behind those that change.
-  /// All requests must share one atlas, axis and VolumeAppearances, and have no strip; one with a strip needs
-  /// a new builder. Cost: linear in the selected voxels and decoded runs of the changed rows, and a copy of
-  /// the others of their slices. Slices are built in parallel. Throws std::bad_alloc.
+  /// their shading. Others are lit if the request says so; they keep the rows before and behind those that
+  /// change. All requests must share one atlas, axis and VolumeAppearances, and have no strip; one with a
+  /// strip needs a new builder. Cost: linear in the selected voxels and decoded runs of the changed rows, and
+  /// a copy of the others of their slices. Slices are built in parallel. Throws std::bad_alloc.
   void build(const SpanRequest& request, ThreadPool& pool);
 
   [[nodiscard]] const SpanModel& model() const { return model_; }

@@ -108,13 +108,14 @@ void OpticalArena::trim(std::uint64_t bytes) {
   });
 }
 
+void light_slice(SliceSpans& slice, std::span<const float> factors) {
+  light_kernels().emit(slice.lit, factors.data(), slice.emissions, slice.optics.data());
+  slice.is_lit = true;
+}
+
 void light_spans(SpanModel& model, std::span<const float> factors, ThreadPool& pool) {
-  const LightKernels kernels = light_kernels();
   pool.for_each(model.slices.size(), [&](std::size_t n) {
-    SliceSpans& slice = model.slices[n];
-    if (slice.is_lit) return;
-    kernels.emit(slice.lit, factors.data(), slice.emissions, slice.optics.data());
-    slice.is_lit = true;
+    if (!model.slices[n].is_lit) light_slice(model.slices[n], factors);
   });
 }
 

@@ -148,8 +148,9 @@ inline void forget_light(SpanModel& model) {
   for (SliceSpans& slice : model.slices) slice.is_lit = false;
 }
 
-/// Lights the slices that are not lit: multiplies the lit part of unlit emissions by `factors[normal]`,
-/// 65536.
+/// Multiplies the lit part of unlit emissions by `factors[normal]`, 65536.
+void light_slice(SliceSpans& slice, std::span<const float> factors);
+/// The same for the slices that are not lit.
 void light_spans(SpanModel& model, std::span<const float> factors, ThreadPool& pool);
 
 }  // namespace splatlas
