@@ -47,8 +47,11 @@ using LitBlocks = std::vector<LitBlock>;
 /// The latest block, or a new one with another number or colour.
 [[nodiscard]] inline LitBlock& require_block(LitBlocks& blocks, std::uint32_t block,
                                              const std::array<float, 3>& color) {
-  if (blocks.empty() || blocks.back().block != block || blocks.back().color != color)
-    blocks.push_back({.block = block, .color = color});
+  if (blocks.empty() || blocks.back().block != block || blocks.back().color != color) {
+    LitBlock& next = blocks.emplace_back();
+    next.block = block;
+    next.color = color;
+  }
   return blocks.back();
 }
 

@@ -306,8 +306,8 @@ class RayVolume::Builder {
           const std::size_t at = first + kFour * static_cast<std::size_t>(n);
           std::copy(color.begin(), color.end(), colors + at);
           colors[at + 3] = 1;
-          list_lit(source, piece, z, n, 1, color);
         }
+        list_lit(source, piece, z, [](std::uint32_t) { return 1.0f; });
       });
     });
   }
@@ -335,23 +335,39 @@ class RayVolume::Builder {
           const std::array<float, 3> emission = appearance.emission(voxel);
           optics[at] = voxel.extinction_per_mm;
           std::copy(emission.begin(), emission.end(), optics + at + 1);
-          list_lit(source, piece, z, n, voxel.extinction_per_mm * voxel.shade, appearance.color);
           mark_around(mask, seen, piece.x + n, piece.y);
         }
+        list_lit(source, piece, z,
+                 [&](std::uint32_t n) { return voxels[n].extinction_per_mm * voxels[n].shade; });
       });
     });
     mark_slices(mask, visible);
   }
 
-  /// Lists the n-th voxel of a piece if it is lit. `white`: its unlit emission of white.
-  void list_lit(Source& source, const Piece& piece, std::int64_t z, std::int64_t n, float white,
-                const std::array<float, 3>& color) const {
-    if (!request_.shade) return;
-    const VoxelLight* const light = request_.cache.light(piece.voxel + static_cast<std::size_t>(n),
-                                                         request_.plan.classes[piece.draw].boundary);
-    if (light == nullptr || light->lit == 0) return;
-    RayVolume::list_lit(volume_.number(piece.x + n, piece.y), white, *light, color,
-                        source.lit[static_cast<std::size_t>(z)]);
+  /// Lists the lit voxels of a piece, block by block. `white(n)`: the unlit emission of white of the n-th
+  /// voxel.
+  template <typename White>
+  void list_lit(Source& source, const Piece& piece, std::int64_t z, const White& white) const {
+    const VoxelLight* lights =
+        request_.shade ? request_.cache.light(piece.voxel, request_.plan.classes[piece.draw].boundary)
+                       : nullptr;
+    if (lights == nullptr) return;
+    const std::uint32_t number = volume_.number(piece.x, piece.y);
+    const auto count = static_cast<std::uint32_t>(piece.length);
+    for (std::uint32_t n = 0, end = 0; n < count; n = end) {
+      const std::uint32_t lane = (number + n) % kBlock;
+      end = std::min(count, n + static_cast<std::uint32_t>(kBlock) - lane);
+      const std::span<const VoxelLight> of_block(lights + n, end - n);
+      if (std::ranges::none_of(of_block, [](const VoxelLight& light) { return light.lit > 0; })) continue;
+      LitBlock& block = require_block(source.lit[static_cast<std::size_t>(z)], (number + n) >> kBlockBits,
+                                      request_.appearances[piece.draw].color);
+      for (std::uint32_t k = n; k < end; ++k) {
+        const float of_voxel = white(k);
+        if (of_voxel <= 0) continue;
+        block.whites[lane + k - n] = of_voxel;
+        block.lights[lane + k - n] = lights[k];
+      }
+    }
   }
 
   const RayVolumeRequest& request_;

@@ -205,13 +205,6 @@ class RayVolume {
   /// Padding of the selection's bounding box by empty voxels.
   static constexpr std::int64_t kMargin = 2;
 
-  /// Lists a lit voxel of a slice. `white`: its unlit emission of white.
-  static void list_lit(std::uint32_t number, float white, const VoxelLight& light,
-                       const std::array<float, 3>& color, LitBlocks& slice) {
-    LitBlock& block = require_block(slice, number >> kBlockBits, color);
-    block.whites[number % kBlock] = white;
-    block.lights[number % kBlock] = light;
-  }
   /// Number of a voxel in its slice of the box.
   [[nodiscard]] std::uint32_t number(std::int64_t x, std::int64_t y) const {
     return static_cast<std::uint32_t>(place(x, y, 0));

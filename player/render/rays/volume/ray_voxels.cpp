@@ -85,8 +85,11 @@ class RayVolume::Averager {
       optics[at] = sums.extinction * per_voxel;
       for (std::size_t c = 0; c < 3; ++c) optics[at + 1 + c] = sums.emission[c] * per_voxel;
       if (const std::uint16_t lit = sums.lit_share(); lit > 0) {
-        list_lit(coarse_.number(x, y), sums.weight * per_voxel, {pack_normal(sums.normal), lit}, sums.color(),
-                 source.lit[static_cast<std::size_t>(z)]);
+        const std::uint32_t number = coarse_.number(x, y);
+        LitBlock& block =
+            require_block(source.lit[static_cast<std::size_t>(z)], number >> kBlockBits, sums.color());
+        block.whites[number % kBlock] = sums.weight * per_voxel;
+        block.lights[number % kBlock] = {pack_normal(sums.normal), lit};
       }
       mark_around(mask, seen, x, y);
       sums = {};
