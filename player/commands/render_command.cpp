@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <string_view>
 #include <utility>
@@ -42,34 +41,23 @@ std::optional<Background> parse_background(std::string_view text) {
   return bottom ? std::optional(Background{*top, *bottom}) : std::nullopt;
 }
 
-std::optional<double> parse_angle(std::string_view text) {
-  const auto degrees = parse_number<double>(text);
-  return degrees && std::isfinite(*degrees) ? degrees : std::nullopt;
-}
-
 template <typename Number>
 std::optional<Number> number_within(std::string_view text, Number min, Number max) {
   const auto number = parse_number<Number>(text);
   return number && *number >= min && *number <= max ? number : std::nullopt;
 }
 
-std::optional<double> parse_zoom(std::string_view text) {
-  return number_within<double>(text, kMinZoom, kMaxZoom);
-}
-
 void add_cuts(CLI::App& command, RenderOptions& options, bool& names_caps) {
   const auto append = [&options](const std::vector<std::string>& texts) {
     for (const std::string& text : texts) {
+      const auto refuse = [&](const std::string& why) {
+        throw CLI::ValidationError(fmt::format("--cut {}", in_quotes(text)), why);
+      };
       const auto plane = parse_cut(text);
-      if (!plane) throw CLI::ValidationError(fmt::format("--cut {}", in_quotes(text)), kCutForms);
-      if (options.cuts.size() == CutPlanes::kMax) {
-        throw CLI::ValidationError(fmt::format("--cut {}", in_quotes(text)),
-                                   fmt::format("is one too many; at most {} cuts", CutPlanes::kMax));
-      }
-      if (!options.cuts.add(*plane)) {
-        throw CLI::ValidationError(fmt::format("--cut {}", in_quotes(text)),
-                                   "must have finite numbers and a normal other than 0");
-      }
+      if (!plane) refuse(kCutForms);
+      if (options.cuts.size() == CutPlanes::kMax)
+        refuse(fmt::format("is one too many; at most {} cuts", CutPlanes::kMax));
+      if (!options.cuts.add(plane.value())) refuse("must have finite numbers and a normal other than 0");
     }
   };
   command.add_option_function<std::vector<std::string>>(
@@ -88,6 +76,8 @@ void add_cuts(CLI::App& command, RenderOptions& options, bool& names_caps) {
 /// Adds camera options. CLI11 assigns values in this order, so single settings override --view.
 void add_camera(CLI::App& command, Camera& camera, bool& names_projection) {
   add_view(command, camera);
+  const auto parse_angle = [](std::string_view text) { return number_within<double>(text, -1e300, 1e300); };
+  const auto parse_zoom = [](std::string_view text) { return number_within(text, kMinZoom, kMaxZoom); };
   constexpr const char* kFiniteAngle = "must be a finite angle in degrees";
   add_parsed(command, "--azimuth", camera.azimuth_deg, parse_angle, kFiniteAngle,
              "degrees around the superior axis: 0 anterior, 90 the subject's left; overrides --view");

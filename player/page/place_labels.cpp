@@ -1,6 +1,7 @@
 #include "player/page/place_labels.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <functional>
@@ -13,7 +14,7 @@ namespace {
 
 constexpr double kImpossible = std::numeric_limits<double>::infinity();
 constexpr int kPositionsPerLine = 4;
-constexpr int kMaxExchanges = 400;
+constexpr std::size_t kMaxExchanges = 400, kNone = std::numeric_limits<std::size_t>::max();
 /// Labels spread further apart than their anchors, so that leaders fan out.
 constexpr double kFan = 1.15;
 /// Distance beyond the middle, relative to the structures' width, from which leaders go to the other column.
@@ -23,6 +24,15 @@ constexpr double kMinSlope = 0.35;
 
 double turn(PagePoint a, PagePoint b, PagePoint c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
+
+/// True if two leaders have a common point, or one comes close to the anchor of the other.
+bool leaders_meet(const PlacedLabel& a, const PlacedLabel& b, const std::vector<Label>& labels,
+                  double clearance) {
+  const PagePoint end_a = labels[a.label].anchor, end_b = labels[b.label].anchor;
+  return segments_meet(a.port, end_a, b.port, end_b) ||
+         distance_to_segment(end_b, a.port, end_a) < clearance ||
+         distance_to_segment(end_a, b.port, end_b) < clearance;
 }
 
 /// One column of labels.
@@ -51,21 +61,25 @@ class Column {
     return list;
   }
 
-  /// Positions without intersecting leaders, as far as exchanges of labels find them.
+  /// Positions whose leaders do not meet, as far as exchanges of labels find them.
   [[nodiscard]] std::vector<PlacedLabel> placed() {
-    std::optional<std::vector<PlacedLabel>> best;
-    for (int exchange = 0; exchange < kMaxExchanges && !entries_.empty(); ++exchange) {
+    std::vector<PlacedLabel> best;
+    std::size_t least = kNone;
+    for (std::size_t exchange = 0; exchange < kMaxExchanges && !entries_.empty(); ++exchange) {
       auto positions = place_in_order();
       if (!positions) {  // leave one out
         entries_.erase(std::ranges::min_element(
             entries_, {}, [this](const Entry& entry) { return labels_[entry.label].weight; }));
-        best.reset();
+        least = kNone;
         continue;
       }
-      best = std::move(positions);
-      if (!exchange_crossing(*best)) break;
+      const std::vector<std::array<std::size_t, 2>> meeting = meeting_leaders(*positions);
+      if (meeting.size() < least) best = *std::move(positions), least = meeting.size();
+      if (meeting.empty()) break;
+      const auto [a, b] = meeting[exchange % meeting.size()];
+      std::swap(entries_[a], entries_[b]);
     }
-    return best.value_or(std::vector<PlacedLabel>());
+    return best;
   }
 
  private:
@@ -146,19 +160,15 @@ class Column {
     return static_cast<std::size_t>(std::ceil(pixels / step_));
   }
 
-  /// Exchanges the first two labels with intersecting leaders. False if there are none.
-  [[nodiscard]] bool exchange_crossing(const std::vector<PlacedLabel>& placed) {
+  [[nodiscard]] std::vector<std::array<std::size_t, 2>> meeting_leaders(
+      const std::vector<PlacedLabel>& placed) const {
+    std::vector<std::array<std::size_t, 2>> pairs;
     for (std::size_t a = 0; a < placed.size(); ++a) {
       for (std::size_t b = a + 1; b < placed.size(); ++b) {
-        if (!segments_meet(placed[a].port, labels_[placed[a].label].anchor, placed[b].port,
-                           labels_[placed[b].label].anchor)) {
-          continue;
-        }
-        std::swap(entries_[a], entries_[b]);
-        return true;
+        if (leaders_meet(placed[a], placed[b], labels_, space_.dot_clearance)) pairs.push_back({a, b});
       }
     }
-    return false;
+    return pairs;
   }
 
   const std::vector<Label>& labels_;
@@ -178,7 +188,8 @@ class PlacedSet {
   /// Adds the label unless it would break a rule.
   bool add(const PlacedLabel& one) {
     const bool fits = std::ranges::none_of(placed_, [&](const PlacedLabel& other) {
-      return breaks_rule(one, other) || breaks_rule(other, one);
+      return leaders_meet(one, other, labels_, space_.dot_clearance) || covers(one, other) ||
+             covers(other, one);
     });
     if (fits) placed_.push_back(one);
     return fits;
@@ -192,12 +203,10 @@ class PlacedSet {
   }
 
  private:
-  /// True if label `a` with its leader breaks a rule beside `b`.
-  [[nodiscard]] bool breaks_rule(const PlacedLabel& a, const PlacedLabel& b) const {
-    const PagePoint anchor = labels_[a.label].anchor, other = labels_[b.label].anchor;
-    return segments_meet(a.port, anchor, b.port, other) ||
-           overlap(a.box.grown(0.999 * space_.row_gap), b.box) || segment_meets(a.port, anchor, b.box) ||
-           distance_to_segment(other, a.port, anchor) < space_.dot_clearance;
+  /// True if label `a` or its leader covers label `b`.
+  [[nodiscard]] bool covers(const PlacedLabel& a, const PlacedLabel& b) const {
+    return overlap(a.box.grown(0.999 * space_.row_gap), b.box) ||
+           segment_meets(a.port, labels_[a.label].anchor, b.box);
   }
 
   const std::vector<Label>& labels_;

@@ -198,6 +198,12 @@ TEST(AnnotatePicture, CountsWhatIsNotLabelledUnlessALimitIsGiven) {
       std::ranges::none_of(two.texts, [](const PlacedText& one) { return one.style == FontStyle::kItalic; }));
 }
 
+TEST(AnnotatePicture, LabelsEveryDiscOfAGridWithRoom) {
+  DiscScene discs({1200, 900});
+  for (StructureIndex n = 0; n < 30; ++n) discs.add(n, 270 + 132.0 * (n % 6), 110 + 165.0 * (n / 6), 45);
+  EXPECT_EQ(annotated(discs.annotated(), {.items = {.labels = true}}).labels, 30u);
+}
+
 TEST(AnnotatePicture, LabelsAsManyBesideWhatTheCaptionCovers) {
   DiscScene discs({600, 400});
   for (StructureIndex n = 0; n < 2; ++n) discs.add(n, 200 + 200 * n, 390, 20);  // the largest
