@@ -33,6 +33,16 @@ void paint_behind(Picture& picture, Rgb top, Rgb bottom) {
   }
 }
 
+/// What outlines follow: neither ghosts nor translucent surfaces.
+Selection solids_of(Selection selection) {
+  for (StructureDraw& draw : selection.structures) {
+    if (!draw.ghost && draw.opacity.value_or(1) >= 1) continue;
+    if (draw.mode == DrawMode::kSurface) draw.mode = DrawMode::kOff;
+    if (draw.mode == DrawMode::kBoth) draw.mode = DrawMode::kVolume;
+  }
+  return selection;
+}
+
 }  // namespace
 
 struct PageRenderer::Impl {
@@ -44,8 +54,6 @@ struct PageRenderer::Impl {
         }),
         keeps_alpha(PictureEncoder::is_linear(path)) {
     if (options.items.any()) drawer.emplace(options.font);
-    options.render.ids = options.render.ids || options.outlines;
-    options.render.depths = options.render.depths || options.outlines;
   }
 
   [[nodiscard]] bool names_structures() const { return options.items.labels || options.items.legend; }
@@ -212,12 +220,28 @@ Result<Page> PageRenderer::render(Renderer& renderer, const Camera& camera, cons
   if (!fitted) {
     SPLATLAS_ASSIGN_OR_RETURN(page.camera, impl_->fit(renderer, camera, decode_ms));
   }
-  SPLATLAS_ASSIGN_OR_RETURN(page.frame, renderer.render(page.camera, options.render, control));
+  RenderOptions render = options.render;
+  const Selection all = renderer.selection(), solid = options.outlines ? solids_of(all) : all;
+  Frame solids;
+  if (solid != all) {  // first: names are picked in the latest frame
+    render.ids = render.depths = true;
+    SPLATLAS_RETURN_IF_ERROR(renderer.select(solid));
+    Result<Frame> drawn = renderer.render(page.camera, render, {.stop = control.stop});
+    SPLATLAS_RETURN_IF_ERROR(renderer.select(all));
+    SPLATLAS_ASSIGN_OR_RETURN(solids, std::move(drawn));
+    render = options.render;
+  } else if (options.outlines) {
+    render.ids = render.depths = true;
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(page.frame, renderer.render(page.camera, render, control));
   page.frame.stats.decode_ms += decode_ms;
   if (options.outlines) {
     SPLATLAS_ASSIGN_OR_RETURN(const View view,
                               view_of(page.camera, options.render.size, renderer.atlas().display()));
-    draw_outlines(page.frame.ids, page.frame.depths, view.plane.mm_per_pixel, page.frame.picture);
+    constexpr double kPoints = 0.5;
+    const double width = kPoints * annotation_dpi({.dpi = options.dpi}, options.render.size) / 72;
+    const Frame& lines = solid != all ? solids : page.frame;
+    draw_outlines(lines.picture, lines.ids, lines.depths, view.plane.mm_per_pixel, width, page.frame.picture);
   }
   if (!options.items.any()) return page;
   SPLATLAS_ASSIGN_OR_RETURN(page.annotations, impl_->annotate(page.frame, page.camera, renderer));

@@ -1,6 +1,7 @@
 #include "player/page/visible_structures.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <map>
@@ -47,53 +48,9 @@ struct Region {
   int i = -1, j = -1;  // anchor
 };
 
-constexpr double kMaxStep = 12;       // of depths, in pixels
-constexpr int kPixelsPerWidth = 900;  // of the short side
+constexpr double kMaxStep = 12;  // of depths, in widths of a line
 constexpr float kOpaque = 0.95f;
 constexpr float kDarkness = 0.75f;  // of a line
-
-using Coverage = std::vector<float>;
-
-/// 1 for pixels that differ from their right or lower neighbour, else 0.
-Coverage edges_of(const Picture& picture, const IdImage& ids, const DepthMap& depths, double mm_per_pixel) {
-  const auto width = static_cast<std::size_t>(ids.size.width),
-             height = static_cast<std::size_t>(ids.size.height);
-  const auto max_step = static_cast<float>(kMaxStep * mm_per_pixel);
-  const auto differ = [&](std::size_t a, std::size_t b) {
-    // Layers of translucent structures would cross their lines
-    if (std::max(picture.rgba[4 * a + 3], picture.rgba[4 * b + 3]) < kOpaque) return false;
-    const float step = std::abs(depths.mm[a] - depths.mm[b]);  // NaN between backgrounds
-    return ids.numbers[a] != ids.numbers[b] || step > max_step;
-  };
-  Coverage edges(width * height);
-  for (std::size_t y = 0; y < height; ++y) {
-    for (std::size_t x = 0; x < width; ++x) {
-      const std::size_t n = y * width + x;
-      if ((x + 1 < width && differ(n, n + 1)) || (y + 1 < height && differ(n, n + width))) edges[n] = 1;
-    }
-  }
-  return edges;
-}
-
-/// Replaces each value of a row or column by combine(values within `reach` before and behind it).
-template <typename Combine>
-Coverage filtered(const Coverage& from, std::size_t width, std::size_t step, int before, int behind,
-                  const Combine& combine) {
-  Coverage to(from.size());
-  const std::size_t count = step == 1 ? width : from.size() / width;
-  const std::size_t lines = from.size() / count;
-  for (std::size_t line = 0; line < lines; ++line) {
-    const std::size_t first = step == 1 ? line * width : line;
-    for (std::size_t n = 0; n < count; ++n) {
-      const auto at = static_cast<std::ptrdiff_t>(n), end = static_cast<std::ptrdiff_t>(count);
-      float sum = 0;
-      for (std::ptrdiff_t i = at - before; i <= at + behind; ++i)
-        sum = combine(sum, i < 0 || i >= end ? 0 : from[first + static_cast<std::size_t>(i) * step], i - at);
-      to[first + n * step] = sum;
-    }
-  }
-  return to;
-}
 
 }  // namespace
 
@@ -149,24 +106,43 @@ std::vector<VisibleStructure> visible_structures(const IdGrid& grid) {
   return structures;
 }
 
-void draw_outlines(const IdImage& ids, const DepthMap& depths, double mm_per_pixel, Picture& picture) {
-  const auto width = static_cast<std::size_t>(picture.size.width);
-  Coverage lines = edges_of(picture, ids, depths, mm_per_pixel);
-
-  // Widen them, and soften their edges
-  const int wide = std::max(1, std::min(picture.size.width, picture.size.height) / kPixelsPerWidth);
-  const auto largest = [](float a, float b, std::ptrdiff_t) { return std::max(a, b); };
-  const auto tent = [](float sum, float value, std::ptrdiff_t away) {
-    return sum + (away == 0 ? 0.5f : 0.25f) * value;
+void draw_outlines(const Picture& solids, const IdImage& ids, const DepthMap& depths, double mm_per_pixel,
+                   double width, Picture& picture) {
+  const auto columns = static_cast<std::size_t>(picture.size.width),
+             rows = static_cast<std::size_t>(picture.size.height);
+  width = std::max(width, 1.0);
+  const auto is_opaque = [&](std::size_t n) {
+    return n < columns * rows && solids.rgba[4 * n + 3] >= kOpaque;
   };
-  for (const std::size_t step : {std::size_t{1}, width}) {
-    if (wide > 1) lines = filtered(lines, width, step, wide / 2, (wide - 1) / 2, largest);
-    lines = filtered(lines, width, step, 1, 1, tent);
+  const auto differ = [&](std::size_t a, std::size_t b) {
+    // Layers of translucent structures would cross their lines; rims of opaque ones are antialiased
+    const std::array around{a + a - b, a, b, b + b - a};
+    if (std::ranges::none_of(around, is_opaque)) return false;
+    const double step = std::abs(depths.mm[a] - depths.mm[b]);  // NaN between backgrounds
+    return ids.numbers[a] != ids.numbers[b] || step > kMaxStep * width * mm_per_pixel;
+  };
+
+  // Shares of pixels that a disc covers which moves along the edges
+  std::vector<float> covered(columns * rows);
+  const auto reach = static_cast<std::size_t>(width / 2 + 1);
+  const auto draw = [&](std::size_t x, std::size_t y, double to_right, double down) {
+    for (std::size_t j = y - std::min(y, reach); j <= std::min(y + reach, rows - 1); ++j) {
+      for (std::size_t i = x - std::min(x, reach); i <= std::min(x + reach, columns - 1); ++i) {
+        const double away = std::hypot(static_cast<double>(i) - static_cast<double>(x) - to_right,
+                                       static_cast<double>(j) - static_cast<double>(y) - down);
+        const double share = std::clamp(0.5 * (width + 1) - away, 0.0, 1.0);
+        covered[j * columns + i] = std::max(covered[j * columns + i], static_cast<float>(share));
+      }
+    }
+  };
+  for (std::size_t n = 0; n < covered.size(); ++n) {
+    const std::size_t x = n % columns, y = n / columns;
+    if (x + 1 < columns && differ(n, n + 1)) draw(x, y, 0.5, 0);
+    if (y + 1 < rows && differ(n, n + columns)) draw(x, y, 0, 0.5);
   }
 
-  // A single line of pixels has a coverage of one half after the tent
-  for (std::size_t n = 0; n < lines.size(); ++n) {
-    const float dark = kDarkness * std::min(1.0f, 2 * lines[n]);
+  for (std::size_t n = 0; n < covered.size(); ++n) {
+    const float dark = kDarkness * covered[n];
     float* const pixel = &picture.rgba[4 * n];
     for (std::size_t c = 0; c < 3; ++c) pixel[c] *= 1 - dark;
     pixel[3] += (1 - pixel[3]) * dark;

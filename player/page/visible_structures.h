@@ -10,10 +10,11 @@
 
 namespace splatlas {
 
-/// Darkens a picture at its outlines: between pixels that show different structures, and where depths of
-/// neighbours differ by more than 12 pixels, as at folds; not between translucent pixels. Lines are a pixel
-/// wide, or a 900th of the picture's short side, with soft edges. `ids` and `depths`: of one frame.
-void draw_outlines(const IdImage& ids, const DepthMap& depths, double mm_per_pixel, Picture& picture);
+/// Darkens a picture along lines of this width in pixels, at least 1: between pixels that show different
+/// structures, and where depths of neighbours differ by more than 12 widths, as at folds; not where the
+/// picture of the `solids` is translucent. `solids`, `ids`, `depths`: of one frame. O(pixels * width^2).
+void draw_outlines(const Picture& solids, const IdImage& ids, const DepthMap& depths, double mm_per_pixel,
+                   double width, Picture& picture);
 
 /// Structures at regular samples of a picture. Sample (i, j) is at ((i + 0.5) * step, (j + 0.5) * step).
 struct IdGrid {
