@@ -16,6 +16,20 @@ namespace {
 
 constexpr double kDegreesPerSide = 180;
 
+/// Centre of the bounding box of the named structures' voxels.
+Result<Vec3> center_of(const std::string& name, const Atlas& atlas) {
+  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StructureIndex> named, atlas.graph().find_named(name));
+  Selection selection{std::vector<StructureDraw>(atlas.graph().size())};
+  for (const StructureIndex s : atlas.graph().descendants(named)) {
+    selection.structures[s].mode = DrawMode::kVolume;
+  }
+  const auto box = bounding_box(atlas, selection);
+  if (!box) return fail(ErrorCode::kFailed, "{} has no voxels; name another structure", in_quotes(name));
+  Vec3 center{};
+  for (std::size_t a = 0; a < 3; ++a) center[a] = 0.5 * (box->first[a] + box->last[a]);
+  return center;
+}
+
 }  // namespace
 
 Camera turned(const Camera& camera, double azimuth_deg, double elevation_deg) {
@@ -73,24 +87,6 @@ std::optional<LpsBox> bounding_box(const Atlas& atlas, const Selection& selectio
   const auto [first, last] = box_lps_mm(atlas.grid(), box.first, box.last);
   return LpsBox{first, last};
 }
-
-namespace {
-
-/// Centre of the bounding box of the named structures' voxels.
-Result<Vec3> center_of(const std::string& name, const Atlas& atlas) {
-  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StructureIndex> named, atlas.graph().find_named(name));
-  Selection selection{std::vector<StructureDraw>(atlas.graph().size())};
-  for (const StructureIndex s : atlas.graph().descendants(named)) {
-    selection.structures[s].mode = DrawMode::kVolume;
-  }
-  const auto box = bounding_box(atlas, selection);
-  if (!box) return fail(ErrorCode::kFailed, "{} has no voxels; name another structure", in_quotes(name));
-  Vec3 center{};
-  for (std::size_t a = 0; a < 3; ++a) center[a] = 0.5 * (box->first[a] + box->last[a]);
-  return center;
-}
-
-}  // namespace
 
 Result<std::optional<Vec3>> center_of(const FrameCenter& center, const Atlas& atlas) {
   if (const auto* point = std::get_if<Vec3>(&center)) return std::optional(*point);

@@ -238,8 +238,7 @@ Result<Page> PageRenderer::render(Renderer& renderer, const Camera& camera, cons
   if (options.outlines) {
     SPLATLAS_ASSIGN_OR_RETURN(const View view,
                               view_of(page.camera, options.render.size, renderer.atlas().display()));
-    constexpr double kPoints = 0.5;
-    const double width = kPoints * annotation_dpi({.dpi = options.dpi}, options.render.size) / 72;
+    const double width = annotation_dpi({.dpi = options.dpi}, options.render.size) / 144;  // half a point
     const Frame& lines = solid != all ? solids : page.frame;
     draw_outlines(lines.picture, lines.ids, lines.depths, view.plane.mm_per_pixel, width, page.frame.picture);
   }

@@ -6,7 +6,7 @@
 //   option    := "ghost"  |  "opacity=" number in (0, 1]  |  "color=" "#rrggbb"
 //              | "profile=" ("soft" | "thin" | "hard")  |  "low=" grey value  |  "high=" grey value
 //              | "curve=" point { "/" point }
-//   point     := grey value ":" opacity from 0 to 0.9999 [":" shade from 0 to 1]
+//   point     := grey value ":" opacity from 0 to 1, at most 0.9999 [":" shade from 0 to 1]
 //   NAME      := id, name or path of a structure ("Brain/Cerebellum/Left"), or else one of its terms
 //   label     := whole number: value of the structure in the source label map
 //

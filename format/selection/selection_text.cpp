@@ -127,38 +127,6 @@ class TermFinder {
   std::vector<SelectionTerm> terms_;
 };
 
-}  // namespace
-
-std::string to_text(const Selection& selection, const StructureGraph& graph) {
-  std::vector<SelectionTerm> terms = TermFinder(selection, graph).find();
-
-  // "All but a few" is shorter if most structures are selected. It makes one hull of all ghosts.
-  const auto cost = [](const std::vector<SelectionTerm>& of) {
-    return std::pair(std::ranges::count(of, true, &SelectionTerm::ghost), of.size());
-  };
-  const auto try_all_but = [&](const StructureDraw& draw) {
-    TermFinder finder(selection, graph);
-    finder.begin_with_all(draw);
-    std::vector<SelectionTerm> all_but = finder.find();
-    if (cost(all_but) < cost(terms)) terms = std::move(all_but);
-  };
-  const auto is_on = [&](StructureIndex s) { return selection.structures[s].mode != DrawMode::kOff; };
-  const auto root = std::find_if(graph.roots().begin(), graph.roots().end(), is_on);
-  if (root != graph.roots().end()) try_all_but(selection.structures[*root]);
-  const auto is_ghost = [](const StructureDraw& draw) { return draw.mode != DrawMode::kOff && draw.ghost; };
-  const auto ghost = std::ranges::find_if(selection.structures, is_ghost);
-  if (ghost != selection.structures.end()) try_all_but(*ghost);
-
-  std::string text;
-  for (const SelectionTerm& term : terms) {
-    if (!text.empty()) text += term.remove ? " - " : " + ";
-    text += text_of(term);
-  }
-  return text;
-}
-
-namespace {
-
 tl::unexpected<OptionFault> fault(std::string what, std::size_t offset = 0) {
   return tl::unexpected<OptionFault>({offset, std::move(what)});
 }
@@ -241,7 +209,7 @@ std::optional<TransferPoint> point_of(std::string_view text) {
   const auto opacity = number_of<float>(part());
   const auto shade = has_shade ? number_of<float>(part()) : 1.0f;
   if (!grey || !opacity || !shade) return std::nullopt;
-  return TransferPoint{*grey, *opacity, *shade};
+  return TransferPoint{*grey, *opacity == 1 ? kMaxVolumeOpacity : *opacity, *shade};
 }
 
 OptionResult read_curve(std::string_view value, SelectionTerm& term) {
@@ -297,6 +265,34 @@ constexpr std::array<SelectionOption, 7> kOptions{{
 }};
 
 }  // namespace
+
+std::string to_text(const Selection& selection, const StructureGraph& graph) {
+  std::vector<SelectionTerm> terms = TermFinder(selection, graph).find();
+
+  // "All but a few" is shorter if most structures are selected. It makes one hull of all ghosts.
+  const auto cost = [](const std::vector<SelectionTerm>& of) {
+    return std::pair(std::ranges::count(of, true, &SelectionTerm::ghost), of.size());
+  };
+  const auto try_all_but = [&](const StructureDraw& draw) {
+    TermFinder finder(selection, graph);
+    finder.begin_with_all(draw);
+    std::vector<SelectionTerm> all_but = finder.find();
+    if (cost(all_but) < cost(terms)) terms = std::move(all_but);
+  };
+  const auto is_on = [&](StructureIndex s) { return selection.structures[s].mode != DrawMode::kOff; };
+  const auto root = std::find_if(graph.roots().begin(), graph.roots().end(), is_on);
+  if (root != graph.roots().end()) try_all_but(selection.structures[*root]);
+  const auto is_ghost = [](const StructureDraw& draw) { return draw.mode != DrawMode::kOff && draw.ghost; };
+  const auto ghost = std::ranges::find_if(selection.structures, is_ghost);
+  if (ghost != selection.structures.end()) try_all_but(*ghost);
+
+  std::string text;
+  for (const SelectionTerm& term : terms) {
+    if (!text.empty()) text += term.remove ? " - " : " + ";
+    text += text_of(term);
+  }
+  return text;
+}
 
 const SelectionOption* find_option(std::string_view name) {
   const auto* const found = std::ranges::find_if(

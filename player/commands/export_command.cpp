@@ -83,43 +83,6 @@ Result<std::vector<std::byte>> draw(const std::shared_ptr<const Atlas>& atlas, O
   return encode_webp(frame.picture);
 }
 
-}  // namespace
-
-CLI::App* add_export(CLI::App& app, ExportRequest& request) {
-  CLI::App* command = app.add_subcommand("export", "Write pages that play atlases in browsers");
-  command->add_option("ATLAS", request.atlases, "atlas file; --site takes several")
-      ->required()
-      ->check(names_a_file());
-  constexpr auto file = non_empty<std::filesystem::path>;
-  constexpr auto given = non_empty<std::string>;
-  CLI::Option* html =
-      add_parsed(*command, "--html", request.html, file, "must name a file", "page to write: one HTML file");
-  add_parsed(*command, "--site", request.site, file, "must name a folder",
-             "folder to write, for a web server; must not exist, or be empty")
-      ->excludes(html);
-  CLI::Option* select =
-      add_parsed(*command, "--select", request.opening.select, given, "must be a selection text",
-                 "selection of the opening picture: see splatlas-player render --help");
-  add_view(*command, request.opening.camera, "direction of the opening picture")
-      ->each([&request](const std::string&) { request.opening.names_view = true; });
-  add_parsed(*command, "--scene", request.opening.scene, given, "must name a scene",
-             "scene of the opening picture")
-      ->excludes(select);
-  command->parse_complete_callback([&request, command] {
-    if (request.html.empty() && request.site.empty())
-      throw CLI::ValidationError("export", "needs --html OUT.html or --site FOLDER");
-    if (request.atlases.size() == 1 || command->remaining_size() > 0) return;  // these are told next
-    for (const char* option : {"--html", "--select", "--scene", "--view"}) {
-      if (command->get_option(option)->count() > 0)
-        throw CLI::ValidationError(option, "goes with one atlas; leave it out, or name one");
-    }
-  });
-  command->footer(kExportFooter);
-  return command;
-}
-
-namespace {
-
 /// The page of an intact atlas, without the atlas itself. Opens surfaces where volumes take too much memory.
 Result<HtmlPage> draw_page(const ExportRequest& request, const std::shared_ptr<const Atlas>& atlas) {
   SPLATLAS_RETURN_IF_ERROR(atlas->verify());
@@ -212,6 +175,39 @@ Result<void> write_site(const ExportRequest& request) {
 }
 
 }  // namespace
+
+CLI::App* add_export(CLI::App& app, ExportRequest& request) {
+  CLI::App* command = app.add_subcommand("export", "Write pages that play atlases in browsers");
+  command->add_option("ATLAS", request.atlases, "atlas file; --site takes several")
+      ->required()
+      ->check(names_a_file());
+  constexpr auto file = non_empty<std::filesystem::path>;
+  constexpr auto given = non_empty<std::string>;
+  CLI::Option* html =
+      add_parsed(*command, "--html", request.html, file, "must name a file", "page to write: one HTML file");
+  add_parsed(*command, "--site", request.site, file, "must name a folder",
+             "folder to write, for a web server; must not exist, or be empty")
+      ->excludes(html);
+  CLI::Option* select =
+      add_parsed(*command, "--select", request.opening.select, given, "must be a selection text",
+                 "selection of the opening picture: see splatlas-player render --help");
+  add_view(*command, request.opening.camera, "direction of the opening picture")
+      ->each([&request](const std::string&) { request.opening.names_view = true; });
+  add_parsed(*command, "--scene", request.opening.scene, given, "must name a scene",
+             "scene of the opening picture")
+      ->excludes(select);
+  command->parse_complete_callback([&request, command] {
+    if (request.html.empty() && request.site.empty())
+      throw CLI::ValidationError("export", "needs --html OUT.html or --site FOLDER");
+    if (request.atlases.size() == 1 || command->remaining_size() > 0) return;  // these are told next
+    for (const char* option : {"--html", "--select", "--scene", "--view"}) {
+      if (command->get_option(option)->count() > 0)
+        throw CLI::ValidationError(option, "goes with one atlas; leave it out, or name one");
+    }
+  });
+  command->footer(kExportFooter);
+  return command;
+}
 
 Result<void> run_export(const ExportRequest& request) {
   SPLATLAS_RETURN_IF_ERROR(check_web_module());

@@ -53,17 +53,18 @@ PrintableText info_text(const Atlas& atlas) {
            name_of(atlas.value_type()));
   const auto [low, high] =
       box_lps_mm(grid, {0, 0, 0}, {grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1});
-  text.add("extent    left {:.1f} to {:.1f}, posterior {:.1f} to {:.1f}, superior {:.1f} to {:.1f} mm\n",
-           low[0], high[0], low[1], high[1], low[2], high[2]);
+  text.add(
+      "extent    left {0:.1f} to {3:.1f} (right {6:.1f} to {9:.1f}), posterior {1:.1f} to {4:.1f} (anterior "
+      "{7:.1f} to {10:.1f}), superior {2:.1f} to {5:.1f} (inferior {8:.1f} to {11:.1f}) mm\n",
+      low[0], low[1], low[2], high[0], high[1], high[2], -high[0], -high[1], -high[2], -low[0], -low[1],
+      -low[2]);
   text.add("classes   {}\nruns      x {}, y {}, z {}\nsections ", atlas.classes().size(),
            atlas.runs(Axis::kX), atlas.runs(Axis::kY), atlas.runs(Axis::kZ));
-  const char* separator = "";
-  for (const SectionSize& section : atlas.sections()) {
-    text.add("{} {} {}", separator, section.name, section.bytes);
-    separator = ",";
-  }
-  if (!atlas.scenes().empty()) text.add("\nscenes    {}", in_quotes(atlas.scenes().front().name));
-  for (std::size_t n = 1; n < atlas.scenes().size(); ++n) text.add(", {}", in_quotes(atlas.scenes()[n].name));
+  for (const char* separator = ""; const SectionSize& section : atlas.sections())
+    text.add("{} {} {}", std::exchange(separator, ","), section.name, section.bytes);
+  if (!atlas.scenes().empty()) text.add("\nscenes   ");
+  for (const char* separator = ""; const Scene& scene : atlas.scenes())
+    text.add("{} {}", std::exchange(separator, ","), in_quotes(scene.name));
   text.add("\n\n{:<50} {:>10} {:>10} {:>10}\n", "structure (again under every parent)", "interior",
            "boundary", "triangles");
   // Depth first with an explicit stack; a structure appears under each of its parents.
@@ -193,7 +194,7 @@ Result<void> check_simd() {
   if (simd_is_available()) return {};
   return fail(
       ErrorCode::kUsage,
-      "SPLATLAS_SIMD={} in the environment: must be scalar, sse4, avx2 or avx3, and one of the machine's",
+      "SPLATLAS_SIMD={} in the environment: must be scalar, sse4, avx2 or avx512, and one of the machine's",
       forced_simd());
 }
 

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
@@ -72,12 +71,31 @@ nlohmann::ordered_json stats_json(const Frame& frame, const Atlas& atlas, double
 
 /// Names the option of a camera's parameter that the renderer refuses.
 Error with_option(Error error) {
-  static constexpr std::array<std::pair<std::string_view, std::string_view>, 2> kOptions{
-      {{"camera: field of view", "--field-of-view"}, {"camera: zoom", "--zoom"}}};
-  for (const auto& [subject, option] : kOptions) {
-    if (error.subject == subject) error.message.replace(0, subject.size(), option);
-  }
+  const std::string& subject = error.subject;
+  if (subject == "camera: zoom") error.message.replace(0, subject.size(), "--zoom");
+  if (subject == "camera: field of view") error.message.replace(0, subject.size(), "--field-of-view");
   return error;
+}
+
+/// Adds a line that is not there yet.
+void add(std::vector<std::string>& lines, const std::string& line) {
+  if (std::ranges::find(lines, line) == lines.end()) lines.push_back(line);
+}
+
+/// Warns of ghosts that are volumes, and of a rest without structures.
+void add_vain_terms(std::span<const SelectionTerm> terms, const Selection& selection,
+                    std::vector<std::string>& warnings) {
+  const auto rests = std::ranges::count(terms, TermTarget::kRest, &SelectionTerm::target);  // numbered first
+  const bool is_empty = std::ranges::none_of(selection.structures, [&](const StructureDraw& draw) {
+    return draw.mode != DrawMode::kOff && draw.term < rests;
+  });
+  for (const SelectionTerm& term : terms) {
+    const bool is_rest = is_empty && term.target == TermTarget::kRest;
+    if (!is_rest && !(term.ghost && term.mode == DrawMode::kVolume)) continue;
+    add(warnings, fmt::format("selection, column {}: {}", term.column + 1,
+                              is_rest ? "rest selects nothing: the other terms name every structure"
+                                      : "ghost has no effect on a volume; write :surface(ghost)"));
+  }
 }
 
 /// Writes all files or none.
@@ -123,11 +141,6 @@ Result<void> check_files(const RenderRequest& request) {
   return {};
 }
 
-/// Adds a line that is not there yet.
-void add(std::vector<std::string>& lines, const std::string& line) {
-  if (std::ranges::find(lines, line) == lines.end()) lines.push_back(line);
-}
-
 /// One renderer and one page renderer for all pictures of a command.
 struct Drawing {
   const RenderRequest& request;
@@ -168,6 +181,10 @@ struct Drawing {
                               resolve_selection(terms, atlas->graph()).map_error(named));
     SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::string> warnings, selection_warnings(terms, *atlas));
     for (const std::string& line : warnings) add(report.warnings, line);
+    add_vain_terms(terms, selection, report.warnings);
+    if (const double elevation = camera.elevation_deg; std::abs(elevation) > 90)
+      add(report.warnings,
+          fmt::format("--elevation {} lies beyond the pole: what is superior points down", elevation));
     return renderer.select(selection);
   }
 

@@ -229,7 +229,7 @@ Display measure_display(const ClassifiedVoxels& classification, const StructureG
   if (samples.empty()) return display;
   display.window_low = percentile(samples, 1);
   display.window_high = percentile(samples, 99.5);
-  if (!(display.window_high > display.window_low)) display.window_high = display.window_low + 1;
+  if (!(display.window_high > display.window_low)) display.window_low = display.window_high - 1;
   return display;
 }
 

@@ -49,54 +49,6 @@ VoxelBuffer assemble_values(VoxelType type, const std::vector<std::vector<std::b
   return values;
 }
 
-}  // namespace
-
-Result<AtlasContent> Atlas::read_classes() const {
-  return impl_->guarded([&]() -> Result<AtlasContent> {
-    AtlasContent content;
-    content.source_grid = source_grid();
-    content.source_to_storage = source_to_storage();
-    content.graph = graph();
-    content.classes = classes();
-    content.label_type = label_type();
-    content.display = display();
-    content.scenes = scenes();
-    content.provenance = provenance();
-    SPLATLAS_ASSIGN_OR_RETURN(content.class_volume, read_class_volume(*this));
-    return content;
-  });
-}
-
-Result<VoxelBuffer> Atlas::read_value_volume(std::span<const ClassId> class_volume) const {
-  return impl_->guarded([&]() -> Result<VoxelBuffer> {
-    if (value_type() == VoxelType::kNone) return VoxelBuffer{};
-    check_memory(2 * static_cast<double>(grid().voxels()) * static_cast<double>(bytes_of(value_type())));
-    std::vector<std::vector<std::byte>> of_class(classes().size());
-    for (ClassId c = 0; c < of_class.size(); ++c) {
-      SPLATLAS_ASSIGN_OR_RETURN(of_class[c], read_values(c));
-    }
-    return assemble_values(value_type(), of_class, class_volume);
-  });
-}
-
-Result<AtlasContent> Atlas::read_all() const {
-  return impl_->guarded([&]() -> Result<AtlasContent> {
-    SPLATLAS_ASSIGN_OR_RETURN(AtlasContent content, read_classes());
-    SPLATLAS_ASSIGN_OR_RETURN(content.values, read_value_volume(content.class_volume));
-    for (StructureIndex s = 0; s < graph().size(); ++s) {
-      SPLATLAS_ASSIGN_OR_RETURN(SurfaceMesh mesh, read_surface(s));
-      content.surfaces.push_back(std::move(mesh));
-    }
-    for (ClassId c = 0; c < classes().size(); ++c) {
-      SPLATLAS_ASSIGN_OR_RETURN(auto normals, read_normals(c));
-      content.boundary_normals.push_back(std::move(normals));
-    }
-    return content;
-  });
-}
-
-namespace {
-
 /// Verifies the run models class by class; reading checks each list. Memory: the runs of the largest class
 /// and 24 bytes per run of the z model, but no volume.
 class RunVerifier {
@@ -218,6 +170,50 @@ Result<void> verify_order(const Atlas& atlas) {
 }
 
 }  // namespace
+
+Result<AtlasContent> Atlas::read_classes() const {
+  return impl_->guarded([&]() -> Result<AtlasContent> {
+    AtlasContent content;
+    content.source_grid = source_grid();
+    content.source_to_storage = source_to_storage();
+    content.graph = graph();
+    content.classes = classes();
+    content.label_type = label_type();
+    content.display = display();
+    content.scenes = scenes();
+    content.provenance = provenance();
+    SPLATLAS_ASSIGN_OR_RETURN(content.class_volume, read_class_volume(*this));
+    return content;
+  });
+}
+
+Result<VoxelBuffer> Atlas::read_value_volume(std::span<const ClassId> class_volume) const {
+  return impl_->guarded([&]() -> Result<VoxelBuffer> {
+    if (value_type() == VoxelType::kNone) return VoxelBuffer{};
+    check_memory(2 * static_cast<double>(grid().voxels()) * static_cast<double>(bytes_of(value_type())));
+    std::vector<std::vector<std::byte>> of_class(classes().size());
+    for (ClassId c = 0; c < of_class.size(); ++c) {
+      SPLATLAS_ASSIGN_OR_RETURN(of_class[c], read_values(c));
+    }
+    return assemble_values(value_type(), of_class, class_volume);
+  });
+}
+
+Result<AtlasContent> Atlas::read_all() const {
+  return impl_->guarded([&]() -> Result<AtlasContent> {
+    SPLATLAS_ASSIGN_OR_RETURN(AtlasContent content, read_classes());
+    SPLATLAS_ASSIGN_OR_RETURN(content.values, read_value_volume(content.class_volume));
+    for (StructureIndex s = 0; s < graph().size(); ++s) {
+      SPLATLAS_ASSIGN_OR_RETURN(SurfaceMesh mesh, read_surface(s));
+      content.surfaces.push_back(std::move(mesh));
+    }
+    for (ClassId c = 0; c < classes().size(); ++c) {
+      SPLATLAS_ASSIGN_OR_RETURN(auto normals, read_normals(c));
+      content.boundary_normals.push_back(std::move(normals));
+    }
+    return content;
+  });
+}
 
 Result<void> Atlas::verify() const {
   return impl_->guarded([&]() -> Result<void> {

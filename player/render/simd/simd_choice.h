@@ -14,7 +14,8 @@
 namespace splatlas {
 
 /// SPLATLAS_SIMD in the environment, for comparisons: "scalar" forces the scalar reference kernels; "sse4",
-/// "avx2" and "avx3" the instruction sets of these names, where the machine has them. Others are ignored.
+/// "avx2" and "avx512" (or "avx3") the instruction sets of these names, where the machine has them. Others
+/// are ignored.
 inline std::string_view forced_simd() {
   const char* const forced = std::getenv("SPLATLAS_SIMD");
   return forced != nullptr ? forced : "";
@@ -25,8 +26,8 @@ inline bool scalar_is_forced() {
 }
 
 /// Instruction sets by their names. The build has those of SPLATLAS_SIMD (cmake/SplatlasSetup.cmake).
-inline constexpr std::array<std::pair<std::string_view, std::int64_t>, 3> kSimdNames{
-    {{"sse4", HWY_SSE4}, {"avx2", HWY_AVX2}, {"avx3", HWY_AVX3}}};
+inline constexpr std::array<std::pair<std::string_view, std::int64_t>, 4> kSimdNames{
+    {{"sse4", HWY_SSE4}, {"avx2", HWY_AVX2}, {"avx512", HWY_AVX3}, {"avx3", HWY_AVX3}}};
 
 /// Instruction sets of the machine, without those that a forced one excludes. Keeps the choice of the
 /// dispatch: hwy::SupportedTargets() alone resets it to all sets that the machine has.

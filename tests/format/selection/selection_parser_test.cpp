@@ -130,7 +130,7 @@ TEST(ParseSelection, ReadsTransferFunctions) {
   EXPECT_EQ(only_term("A(profile=soft)").profile, TransferProfile::kSoft);
   EXPECT_EQ(only_term("A(profile=thin)").profile, TransferProfile::kThin);
 
-  const SelectionTerm curve = only_term("A(curve=-20:0/40.5:0.9999:0.25/1e3:1e-3:0 , opacity=1)");
+  const SelectionTerm curve = only_term("A(curve=-20:0/40.5:1:0.25/1e3:1e-3:0 , opacity=1)");
   ASSERT_NE(curve.curve, nullptr);
   EXPECT_EQ(*curve.curve, (TransferCurve{{{-20, 0, 1}, {40.5, kMaxVolumeOpacity, 0.25f}, {1000, 1e-3f, 0}}}));
   EXPECT_EQ(*only_term("A(curve=7:0.5)").curve, (TransferCurve{{{7, 0.5f, 1}}}));

@@ -352,8 +352,8 @@ TEST(MeasureDisplay, ConstantAndBrokenValuesStillGiveAWindow) {
   const ClassifiedVoxels all = classify({std::vector<std::uint8_t>(4, 1)}, grid, graph);
   for (std::size_t v = 0; v < 4; ++v) values.as<float>()[v] = 5;
   Display display = measure_display(all, graph, values, grid);
-  EXPECT_EQ(display.window_low, 5);
-  EXPECT_GT(display.window_high, 5);
+  EXPECT_EQ(display.window_low, 4);
+  EXPECT_EQ(display.window_high, 5);  // full opacity
   for (std::size_t v = 0; v < 4; ++v) values.as<float>()[v] = v < 2 ? std::nanf("") : INFINITY;
   display = measure_display(all, graph, values, grid);
   EXPECT_LT(display.window_low, display.window_high);
