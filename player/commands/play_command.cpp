@@ -66,6 +66,16 @@ sigset_t block_end_signals() {
   return signals;
 }
 
+Result<std::string> served_page(const Atlas& atlas) {
+  SPLATLAS_ASSIGN_OR_RETURN(const Opening opening, opening_of({}, atlas));
+  HtmlPage page;
+  page.is_served = true;
+  page.title = atlas.provenance().title;
+  page.caption = opening.caption;
+  page.opening = json_of(opening);
+  return encode_html(page);
+}
+
 void wait_for_the_end(const PageServer& server, const sigset_t& signals) {
   constexpr timespec kPause{.tv_sec = 0, .tv_nsec = 200'000'000};
   while (!server.is_left() && sigtimedwait(&signals, nullptr, &kPause) < 0) {
@@ -86,16 +96,10 @@ void add_play(CLI::App& app, PlayRequest& request) {
 
 Result<void> play(const PlayRequest& request) {
   const sigset_t signals = block_end_signals();
+  LessonFile lesson(request.atlas, request.atlas_options);
   SPLATLAS_ASSIGN_OR_RETURN(const auto atlas, Atlas::open(request.atlas, request.atlas_options));
-  SPLATLAS_ASSIGN_OR_RETURN(const Opening opening, opening_of({}, *atlas));
-  HtmlPage page;
-  page.is_served = true;
-  page.title = atlas->provenance().title;
-  page.caption = opening.caption;
-  page.opening = json_of(opening);
-  SPLATLAS_ASSIGN_OR_RETURN(std::string html, encode_html(page));
-  SPLATLAS_ASSIGN_OR_RETURN(const auto server,
-                            PageServer::start({atlas, std::move(html), request.renderer, request.port}));
+  SPLATLAS_ASSIGN_OR_RETURN(const auto server, PageServer::start({atlas, served_page, request.renderer,
+                                                                  request.port, std::move(lesson)}));
   SPLATLAS_RETURN_IF_ERROR(print_text(PrintableText("{}\n", server->address())));
   if (!request.no_browser) open_browser(server->address_with_ticket());
   wait_for_the_end(*server, signals);

@@ -32,9 +32,7 @@ function importsOf(memory) {
         new DataView(memory().buffer).setBigUint64(time, BigInt(Math.round(now(id) * 1e6)), true);
         return 0;
       },
-      proc_exit(status) {
-        throw new Error(`splatlas.wasm ended with status ${status}`);
-      },
+      proc_exit(status) { throw new Error(`splatlas.wasm ended with status ${status}`); },
     },
   };
 }
@@ -74,12 +72,9 @@ class Module {
 
 /** An engine in the program that serves the page, for workers: they may wait for an answer. */
 class Server {
-  #url;
-  #pixels = null;
+  #url; #pixels = null;
 
-  constructor(url) {
-    this.#url = url;
-  }
+  constructor(url) { this.#url = url; }
 
   /** The answer is its status, the bytes of its text, the text, and the pixels of a picture. */
   call(request) {
@@ -93,9 +88,7 @@ class Server {
     return [status, new TextDecoder().decode(new Uint8Array(exchange.response, 8, bytes))];
   }
 
-  pixels() {
-    return this.#pixels;
-  }
+  pixels() { return this.#pixels; }
 }
 
 class Splatlas {
@@ -103,9 +96,7 @@ class Splatlas {
   #values = 0;  // of the latest picture
 
   /** @param {Module|Server} engine see load() and connect() */
-  constructor(engine) {
-    this.#engine = engine;
-  }
+  constructor(engine) { this.#engine = engine; }
 
   /** Starts an instance of the module.
    * @param {BufferSource|WebAssembly.Module} module bytes of splatlas.wasm, or the compiled module, which a page can
@@ -119,15 +110,11 @@ class Splatlas {
   }
 
   /** Takes the engine of `splatlas-player ATLAS`, which has opened its atlas. @returns {Splatlas} */
-  static connect(url) {
-    return new Splatlas(new Server(url));
-  }
+  static connect(url) { return new Splatlas(new Server(url)); }
 
   /** Opens an atlas in place of the one before. Nothing is selected.
    * @param {Uint8Array|ArrayBuffer} bytes of the file; copied */
-  open(bytes) {
-    this.#call('open', {}, bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes));
-  }
+  open(bytes) { this.#call('open', {}, bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes)); }
 
   /** Opens an atlas on a server: the caller fetches what wanted() names, gives it, and opens again until it is open.
    * Later pictures and fits may want more; their parts are missing until they are given.
@@ -144,30 +131,22 @@ class Splatlas {
   }
 
   /** Ranges of the file that calls have missed since the last wanted(). @returns {number[][]} [offset, bytes] */
-  wanted() {
-    return this.#call('wanted');
-  }
+  wanted() { return this.#call('wanted'); }
 
   /** Adds a piece of the file. @param {Uint8Array} bytes */
-  give(offset, bytes) {
-    this.#call('give', {offset}, bytes);
-  }
+  give(offset, bytes) { this.#call('give', {offset}, bytes); }
 
   /** What the atlas holds: the document of `splatlas-player info --json`. `structures` are in the order of their
    * indices, with id, name, parents (ids), color, voxels, triangles and terms (synonyms, languages, codes); `scenes`
    * have name, question, caption, select, azimuth, elevation, zoom, projection, cuts, labels and center; `views` name, azimuth and
    * elevation; `display` the window of grey values and the bounding sphere; `provenance` title, citation and licence.
    * @returns {object} */
-  info() {
-    return this.#call('info');
-  }
+  info() { return this.#call('info'); }
 
   /** Selects structures, as `splatlas-player render --select`. An error keeps the selection.
    * @param {string} text
    * @returns {string[]} warnings about terms without effect */
-  select(text) {
-    return this.#call('select', {select: text});
-  }
+  select(text) { return this.#call('select', {select: text}); }
 
   /** Renders a state.
    * @param {object} state
@@ -194,42 +173,30 @@ class Splatlas {
   }
 
   /** The camera that draw() would take for a state. @returns {object} */
-  fitted(state) {
-    return this.#call('fit', state);
-  }
+  fitted(state) { return this.#call('fit', state); }
 
   /** The latest picture of a module in linear RGBA, premultiplied. @returns {Float32Array} 4 * width * height values */
-  floats() {
-    return this.#engine.floats(this.#values);
-  }
+  floats() { return this.#engine.floats(this.#values); }
 
   /** The structure that the latest picture shows at picture coordinates; (0.5, 0.5) is the middle of the first pixel.
    * @returns {?{index: number, id: string, name: string, path: string, point: number[]}} point in LPS mm */
-  pick(x, y) {
-    return this.#call('pick', {at: [x, y]});
-  }
+  pick(x, y) { return this.#call('pick', {at: [x, y]}); }
 
   /** Where the latest picture shows a structure or its descendants. @param {number} structure index
    * @returns {string[]} for every fourth row, with '1' or '0' for every fourth column */
-  light(structure) {
-    return this.#call('light', {structure});
-  }
+  light(structure) { return this.#call('light', {structure}); }
 
   /** The slice number `index` across an axis of the storage grid, 0 to 2, row by row along the first of the others.
    * @returns {{labels: number[], greys: string}} runs [1 + index of a structure or 0, count, ...], and two hexadecimal
    *   digits a voxel */
-  slice(axis, index) {
-    return this.#call('slice', {axis, index});
-  }
+  slice(axis, index) { return this.#call('slice', {axis, index}); }
 
   /** Names with leader lines on the latest picture, as on a printed page, for a canvas of its size.
    * @param {object} options glyphs: the width of each letter in em; dpi: names have 8.5 points; background: '#rrggbb';
    *   labels: names of structures, none for all but ghosts
    * @returns {object} lines [x0, y0, x1, y1, width, color, casing, casing color], dots [x, y, radius, color, casing,
    *   casing color] and texts [text, x, baseline, size, color], in pixels */
-  labels(options) {
-    return this.#call('labels', options);
-  }
+  labels(options) { return this.#call('labels', options); }
 
   /** Calls the engine. @returns its answer */
   #call(name, values = {}, bytes = new Uint8Array()) {

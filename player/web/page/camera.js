@@ -22,9 +22,7 @@ return {
   kMinZoom,
   kMaxZoom,
 
-  isPerspective(camera) {
-    return camera.projection === 'perspective';
-  },
+  isPerspective(camera) { return camera.projection === 'perspective'; },
 
   /** Millimetres of a pixel, in perspective at the centre. `size`: [width, height]; `display`: that of the atlas. */
   mmPerPixel(camera, size, display) {

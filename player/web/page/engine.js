@@ -7,9 +7,7 @@ const kMaxRestarts = 3;
 const kFirstPiece = 65536;  // bytes: header and directory of most atlases
 
 /** The text of a data block of the page. */
-function block(id) {
-  return document.getElementById(id).textContent.trim();
-}
+function block(id) { return document.getElementById(id).textContent.trim(); }
 
 /** The bytes of a data block of the page, which is removed: a page needs its atlas once. */
 function takeBytes(id) {
@@ -80,15 +78,13 @@ class RemoteFile {
 /** Draws the newest state by workers. Calls the handlers {ready, picture, drawn, picked, hovered, labelled, lit, sliced, told,
  * error, stopped, ended}: `ended` when the program has, `told` is an error beside the picture, `error` one in its place. */
 class Engine {
-  #handlers;
-  #module = null;
+  #handlers; #module = null;
   #atlas = null;  // bytes; null: on a server
   #server = null;  // address of the native engine, up to the worker's number
-  #remote = null;
-  #source;
+  #lessons = '';   // address that saves lessons
+  #remote = null; #source;
   #workers = [];  // drafts and picks, and refines; the same one on a single core
-  #serial = 0;
-  #state = null;
+  #serial = 0; #state = null;
   #asked = 0;     // serial number of the latest refinement that a worker was asked for
   #refined = 0;   // and of the latest that has come
   #timer = 0;
@@ -96,9 +92,7 @@ class Engine {
   #restarts = [0, 0];  // of each worker, since its latest picture
   #isReady = false;
 
-  constructor(handlers) {
-    this.#handlers = handlers;
-  }
+  constructor(handlers) { this.#handlers = handlers; }
 
   /** Finds an engine and starts the workers. Rejects where the browser lacks something. */
   async start() {
@@ -123,6 +117,7 @@ class Engine {
       this.#handlers.ended();
     };
     this.#server = `${location.origin}/call?page=${page}&worker=`;
+    this.#lessons = `/lesson?page=${page}`;
     history.replaceState(null, '', `/${location.hash}`);  // without the token
   }
 
@@ -139,10 +134,15 @@ class Engine {
     }
   }
 
-  /** Whether the finished picture of the latest state has come. */
-  isRefined() {
-    return this.#refined === this.#serial;
+  /** Saves scenes into the atlas. @returns {[number, string]} 200, 202 for a question, or an error, and its text */
+  save(scenes, replaces) {
+    const address = `${this.#lessons}${replaces ? '&replaces=1' : ''}`;
+    return fetch(address, {method: 'POST', body: JSON.stringify(scenes)}).then(
+      async answer => [answer.status, await answer.text()], () => [0, 'the player does not answer']);
   }
+
+  /** Whether the finished picture of the latest state has come. */
+  isRefined() { return this.#refined === this.#serial; }
 
   /** Draws a state: {select, cuts, camera, size, depthCue}. A draft at once, and a finished picture after it. A camera
    * with `fit`, {structure, zoom, center}, is fitted first. */
@@ -157,20 +157,14 @@ class Engine {
   }
 
   /** Asks for the structure at {u, v}, from 0 to 1 in the picture. The answer has the whole pick. */
-  pick(pick) {
-    this.#workers[0].postMessage({type: 'pick', serial: this.#serial, state: this.#state, pick});
-  }
+  pick(pick) { this.#workers[0].postMessage({type: 'pick', serial: this.#serial, state: this.#state, pick}); }
 
   /** Asks for the name at {u, v} of the latest picture ('hover'), where a {structure} is in it ('light'), or for slices,
    * {wanted: [[axis, index], ...]} ('slices'). */
-  ask(type, request) {
-    this.#workers[0].postMessage({type, serial: this.#serial, ...request});
-  }
+  ask(type, request) { this.#workers[0].postMessage({type, serial: this.#serial, ...request}); }
 
   /** Asks for names on the finished picture. */
-  label(options) {
-    this.#workers.at(-1).postMessage({type: 'label', serial: this.#serial, options});
-  }
+  label(options) { this.#workers.at(-1).postMessage({type: 'label', serial: this.#serial, options}); }
 
   /** The camera of a state with `fit`. No picture comes before the next show(). @returns {Promise<?object>} null once a
    * later fit is asked for */

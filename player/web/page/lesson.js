@@ -4,15 +4,12 @@
 const kSceneTexts = ['name', 'question', 'caption'];
 
 /** The editor of the present scene. Calls the handlers {record(): Promise<?object>, list() and labelled(): the scenes
- * or their labels are others, show(n), tell(text)}. */
+ * or their labels are others, show(n), save(scenes, replaces): Promise<[status, text]>, tell(text)}. */
 class Lesson {
-  #model;
-  #handlers;
-  #isUnsaved = false;
+  #model; #handlers; #isUnsaved = false;
 
   constructor(model, handlers) {
-    this.#model = model;
-    this.#handlers = handlers;
+    [this.#model, this.#handlers] = [model, handlers];
     for (const field of kSceneTexts) {
       byId(`scene-${field}`).addEventListener('input', event => {
         this.#isUnsaved = true;
@@ -27,17 +24,12 @@ class Lesson {
     byId('scene-labels').addEventListener('change', () => handlers.labelled());
     window.addEventListener('beforeunload', event => { if (this.#isUnsaved) event.preventDefault(); });
     const act = (id, does) => byId(id).addEventListener('click', does);
-    act('record', () => this.#record());
-    act('renew', () => this.#renew());
-    act('earlier', () => this.#move(-1));
-    act('later', () => this.#move(1));
-    act('remove', () => this.#remove());
-    act('save-lesson', () => this.#save());
+    act('record', () => this.#record()); act('renew', () => this.#renew()); act('remove', () => this.#remove());
+    act('earlier', () => this.#move(-1)); act('later', () => this.#move(1));
+    act('save-lesson', () => this.#save()); act('save-atlas', () => this.#saveIntoAtlas());
   }
 
-  #scene() {
-    return this.#model.info.scenes[this.#model.state.scene];
-  }
+  #scene() { return this.#model.info.scenes[this.#model.state.scene]; }
 
   /** Adds the picture on the screen behind the present scene. */
   async #record() {
@@ -77,13 +69,33 @@ class Lesson {
     if (scenes.length > 0) this.#handlers.show(this.#model.state.scene);
   }
 
-  /** A name that stands twice or not at all would stop `splatlas-preprocess lesson`. */
-  #save() {
-    const names = this.#model.info.scenes.map(({name}) => name.trim().toLowerCase());
+  /** The scenes to save; null if a name stands twice or not at all. */
+  #named() {
+    const scenes = this.#model.info.scenes.map(Lesson.stored);
+    const names = scenes.map(({name}) => name.toLowerCase());
     const bad = names.findIndex((name, n) => name === '' || names.indexOf(name) < n);
-    if (bad >= 0) return this.#handlers.tell(`Scene ${bad + 1} needs a name of its own.`);
+    if (bad < 0) return scenes;
+    this.#handlers.tell(`Scene ${bad + 1} needs a name of its own.`);
+    return null;
+  }
+
+  #save() {
+    const scenes = this.#named();
+    if (!scenes) return;
     this.#isUnsaved = false;
-    return download('lesson.toml', new Blob([Lesson.toml(this.#model.info.scenes)], {type: 'text/plain'}));
+    download('lesson.toml', new Blob([Lesson.toml(scenes)], {type: 'text/plain'}));
+  }
+
+  /** The program that serves the page saves. It asks before it replaces what this page has not saved. */
+  async #saveIntoAtlas() {
+    const scenes = this.#named();
+    if (!scenes) return;
+    const wasUnsaved = this.#isUnsaved;
+    this.#isUnsaved = false;
+    let [status, text] = await this.#handlers.save(scenes, false);
+    if (status === 202 && confirm(text)) [status, text] = await this.#handlers.save(scenes, true);
+    if (status !== 200) this.#isUnsaved ||= wasUnsaved;
+    if (status !== 202) this.#handlers.tell(status === 200 ? text : `The lesson is not saved: ${text}. Save it as a file.`);
   }
 
   /** Earlier steps know the scenes by other numbers. */
@@ -108,17 +120,17 @@ class Lesson {
     byId('scene-labels').value = scene?.labels.join(', ') ?? '';
   }
 
-  /** Scenes as a file for `splatlas-preprocess lesson --scene`. A string of JSON is one of TOML. */
+  /** A scene with the keys of a lesson's file. */
+  static stored({name, select, question, caption, azimuth, elevation, zoom, projection, center, cuts, labels}) {
+    return {
+      name: name.trim(), select, question: question.trim().replace(/\s+/g, ' '), caption: caption.trim(), azimuth, elevation, zoom,
+      projection, ...(center ? {center: center.join()} : {}), cuts: cuts.map(({normal, offset}) => [...normal, offset].join()), labels,
+    };
+  }
+
+  /** Stored scenes as a file for `splatlas-preprocess lesson --scene`. Texts, numbers and lists of JSON are those of TOML. */
   static toml(scenes) {
-    const text = JSON.stringify;
-    return scenes.map(scene => {
-      const lines = ['[[scene]]', ...['name', 'select', 'question', 'caption'].map(key => `${key} = ${text(scene[key])}`),
-        ...['azimuth', 'elevation', 'zoom'].map(key => `${key} = ${scene[key]}`), `projection = ${text(scene.projection)}`];
-      if (scene.center) lines.push(`center = ${text(scene.center.join())}`);
-      if (scene.cuts.length > 0)
-        lines.push(`cuts = [${scene.cuts.map(({normal, offset}) => text([...normal, offset].join())).join(', ')}]`);
-      if (scene.labels.length > 0) lines.push(`labels = [${scene.labels.map(label => text(label)).join(', ')}]`);
-      return `${lines.join('\n')}\n`;
-    }).join('\n');
+    return scenes.map(scene => `[[scene]]\n${Object.entries(scene).map(([key, value]) =>
+      `${key} = ${JSON.stringify(value)}\n`).join('')}`).join('\n');
   }
 }

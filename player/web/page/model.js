@@ -8,8 +8,7 @@ const isAcross = ({normal}, axis) => normal.every((component, a) => (component !
 
 /** What the page shows. The selection is a text, from a scene or a link, and edits of single subtrees behind it. */
 class Model {
-  #undo = [];
-  #redo = [];
+  #undo = []; #redo = [];
   #forgotten = 0;  // steps before those in #undo
   #children;
 
@@ -31,9 +30,7 @@ class Model {
     this.state = {base: '*', edits: [], cuts: [], scene: null, isAsking: false};
   }
 
-  children(index) {
-    return this.#children[index];
-  }
+  children(index) { return this.#children[index]; }
 
   /** A structure and all below it. */
   subtree(index) {
@@ -43,9 +40,7 @@ class Model {
   }
 
   /** The structures without parts in a subtree. */
-  leaves(index) {
-    return this.subtree(index).filter(structure => this.#children[structure].length === 0);
-  }
+  leaves(index) { return this.subtree(index).filter(structure => this.#children[structure].length === 0); }
 
   /** Names from a root to the structure, along its first parents. */
   path(index) {
@@ -118,22 +113,14 @@ class Model {
   }
 
   /** The next change is a step of its own. */
-  endGesture() {
-    if (this.#undo.length > 0) this.#undo.at(-1).gesture = null;
-  }
+  endGesture() { if (this.#undo.length > 0) this.#undo.at(-1).gesture = null; }
 
-  canUndo() {
-    return this.#undo.length > 0;
-  }
+  canUndo() { return this.#undo.length > 0; }
 
-  canRedo() {
-    return this.#redo.length > 0;
-  }
+  canRedo() { return this.#redo.length > 0; }
 
   /** Number of steps so far. */
-  steps() {
-    return this.#forgotten + this.#undo.length;
-  }
+  steps() { return this.#forgotten + this.#undo.length; }
 
   /** Forgets steps beyond the first `steps`. */
   forgetSteps(steps) {
@@ -240,13 +227,9 @@ class Model {
     this.change({base: '', edits: shown}, camera);
   }
 
-  showAll(camera) {
-    this.change({base: '*:surface', edits: []}, camera);
-  }
+  showAll(camera) { this.change({base: '*:surface', edits: []}, camera); }
 
-  hideAll(camera) {
-    this.change({base: '', edits: []}, camera);
-  }
+  hideAll(camera) { this.change({base: '', edits: []}, camera); }
 
   /** The structures with this name or id, or one that begins as a text with `*`; without any, those with this term. */
   named(text) {
@@ -297,9 +280,7 @@ class Model {
     Model.#errors(names, Model.#stem(word).length < 4 ? word : Model.#stem(word)) <= 1);
 
   /** A word without its Latin or English ending. */
-  static #stem(word) {
-    return word.replace(/^(.{3,}?)(?:ic(?:al|es)?|us|um|is|a[elr]|e[is]|[aeis])$/, '$1');
-  }
+  static #stem(word) { return word.replace(/^(.{3,}?)(?:ic(?:al|es)?|us|um|is|a[elr]|e[is]|[aeis])$/, '$1'); }
 
   /** The fewest letters to replace, insert or delete that turn the word into a part of the text. */
   static #errors(text, word) {

@@ -13,17 +13,13 @@ const kFocusZoom = 0.8;
 class Page {
   #opening = JSON.parse(block('opening'));
   #engine = new Engine({
-    ready: info => this.#begin(info),
-    picture: message => this.#takePicture(message),
-    drawn: drawn => this.#takeDrawn(drawn),
+    ready: info => this.#begin(info), picture: message => this.#takePicture(message), drawn: drawn => this.#takeDrawn(drawn),
     picked: (picked, {purpose, u, v}) => this.#takePick(picked, purpose, u, v),
     hovered: picked => this.#pointer.show(this.#quiz.isAsking() ? null : picked),
     labelled: layer => { if (layer && !this.#quiz.isAsking()) this.#names.show(layer, this.#pictures.width, this.#pictures.height); },
-    lit: lightUp,
-    sliced: slices => this.#slices.take(slices),
+    lit: lightUp, sliced: slices => this.#slices.take(slices),
     told: (text, of) => this.#tell(of === 'label' && /too small/.test(text) ? 'There is no room for names of this size.' : text),
-    error: text => this.#takeError(text),
-    stopped: text => this.#stopFor(text),
+    error: text => this.#takeError(text), stopped: text => this.#stopFor(text),
     ended: () => this.#stop('The player has ended. Start splatlas-player again.'),
   });
   #stage = new Stage({
@@ -32,26 +28,17 @@ class Page {
       this.#show();
     },
     pick: (u, v, purpose) => this.#engine.pick({u, v, purpose}),
-    hover: (x, y, size) => { if (!this.#motion) this.#pointer.move(x, y, size); },
-    leave: () => this.#pointer.hide(),
+    hover: (x, y, size) => { if (!this.#motion) this.#pointer.move(x, y, size); }, leave: () => this.#pointer.hide(),
     resized: () => { if (!matchMedia('print').matches) this.#show(); },
   });
   #pointer = new PointerName((u, v) => this.#engine.ask('hover', {u, v}));
-  #menu = null;
-  #lesson = null;
-  #quiz = null;
-  #names = null;
+  #menu = null; #lesson = null; #quiz = null; #names = null;
   #keys = new Map();  // what keys do
   #named = null;      // index of the structure whose name is on the picture
   #going = null;      // the latest goal of the camera, until its motion begins
   #motion = null;     // {from, to, begin, at}
   #pictures = {count: 0, valueOf() { return this.count; }};
-  #model = null;
-  #tree = null;
-  #inspector = null;
-  #scenes = null;
-  #cuts = null;
-  #slices = null;
+  #model = null; #tree = null; #inspector = null; #scenes = null; #cuts = null; #slices = null;
   #lastGood = null;   // {state, camera, steps} of the latest that was drawn; of the opening picture before
   #typed = null;      // the text of "Show this selection" until its picture
   #messageTimer = 0;
@@ -78,8 +65,7 @@ class Page {
     this.#stage.start(this.#opening.camera, info.display);
     this.#inspector = new Inspector(model, camera, changed);
     this.#tree = new Tree(model, {
-      choose: index => this.#choose(index),
-      toggle: index => this.#inspector.toggle(index),
+      choose: index => this.#choose(index), toggle: index => this.#inspector.toggle(index),
     });
     this.#scenes = new Scenes(info.scenes, n => this.#showScene(n), () => this.#answer());
     this.#slices = new Slices(model, {
@@ -100,7 +86,9 @@ class Page {
         this.#mark();
       },
       labelled: () => this.#labelPicture(), tell: text => this.#tell(text),
+      save: (scenes, replaces) => this.#engine.save(scenes, replaces),
     });
+    byId('save-atlas').hidden = !('served' in byId('atlas').dataset);
     this.#quiz = new Quiz(model, {
       state: () => this.#state(), restore: state => this.#restore(state), show: n => this.#showScene(n),
       light: index => {
@@ -113,10 +101,7 @@ class Page {
       },
     });
     this.#startViews(info.views);
-    this.#startSearch();
-    this.#startActions();
-    this.#startKeys();
-    Talk.start();
+    this.#startSearch(); this.#startActions(); this.#startKeys(); Talk.start();
     this.#showCredits(info.provenance);
     window.addEventListener('hashchange', () => this.#followLink());
     const {select, scene} = this.#opening;
@@ -185,9 +170,7 @@ class Page {
   }
 
   /** The camera at the end of the motion. */
-  #goal() {
-    return this.#motion?.to ?? this.#stage.camera;
-  }
+  #goal() { return this.#motion?.to ?? this.#stage.camera; }
 
   /** The next picture of a motion. */
   #step() {
@@ -226,9 +209,7 @@ class Page {
     this.#writeLink();
   }
 
-  #fitSelection() {
-    this.#turnTo({fit: {structure: -1, zoom: 1}});
-  }
+  #fitSelection() { this.#turnTo({fit: {structure: -1, zoom: 1}}); }
 
   /** Shows a structure in the middle. */
   #focus(index) {
@@ -394,12 +375,10 @@ class Page {
   #startActions() {
     const model = this.#model;
     const act = (id, does) => byId(id).addEventListener('click', does);
-    act('undo', () => this.#undo('undo'));
-    act('redo', () => this.#undo('redo'));
+    for (const step of ['undo', 'redo']) act(step, () => this.#undo(step));
     act('show-all', () => this.#edit(camera => model.showAll(camera)));
     act('hide-all', () => this.#edit(camera => model.hideAll(camera)));
-    act('large', () => Talk.toggle('large'));
-    act('save', () => this.#save());
+    act('large', () => Talk.toggle('large')); act('save', () => this.#save());
     act('ghost-others', () => this.#ghostOthers(this.#inspector.index));
     act('focus-chosen', () => this.#focus(this.#inspector.index));
     this.#menu = new Menu([
@@ -414,11 +393,10 @@ class Page {
       this.#changed();
     });
     byId('depth-cue').addEventListener('change', () => this.#show());
-    byId('perspective').addEventListener('change',
-      event => {
-        this.#stage.camera = {...this.#stage.camera, projection: event.target.checked ? 'perspective' : 'parallel'};
-        this.#show();
-      });
+    byId('perspective').addEventListener('change', event => {
+      this.#stage.camera = {...this.#stage.camera, projection: event.target.checked ? 'perspective' : 'parallel'};
+      this.#show();
+    });
     byId('print').addEventListener('click', () => print());
     byId('skip').addEventListener('click', event => {
       event.preventDefault();
@@ -467,9 +445,7 @@ class Page {
     this.#changed();
   }
 
-  #ghostOthers(index) {
-    if (index !== null) this.#edit(camera => this.#model.ghostOthers(index, camera));
-  }
+  #ghostOthers(index) { if (index !== null) this.#edit(camera => this.#model.ghostOthers(index, camera)); }
 
   #startDisplay() {
     byId('theme').addEventListener('change', event => {

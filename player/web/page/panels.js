@@ -5,15 +5,11 @@ const byId = id => document.getElementById(id);
 
 /** Mode, opacity and colour of the chosen structure. Calls the handler changed() after it has changed the model. */
 class Inspector {
-  #model;
-  #camera;
-  #changed;
+  #model; #camera; #changed;
 
   /** @param {function} camera returns the camera, for undo */
   constructor(model, camera, changed) {
-    this.#model = model;
-    this.#camera = camera;
-    this.#changed = changed;
+    [this.#model, this.#camera, this.#changed] = [model, camera, changed];
     this.index = null;
     for (const button of document.querySelectorAll('[data-mode-button]'))
       button.addEventListener('click', () => this.setMode(button.dataset.modeButton));
@@ -33,13 +29,9 @@ class Inspector {
     this.#changed();
   }
 
-  setMode(mode) {
-    this.#edit(() => this.#model.setMode(this.index, mode, this.#camera()));
-  }
+  setMode(mode) { this.#edit(() => this.#model.setMode(this.index, mode, this.#camera())); }
 
-  isolate() {
-    this.#edit(() => this.#model.isolate(this.index, this.#camera()));
-  }
+  isolate() { this.#edit(() => this.#model.isolate(this.index, this.#camera())); }
 
   /** Shows or hides a structure. */
   toggle(index) {
@@ -74,17 +66,10 @@ class Inspector {
 
 /** The strip of scenes with question or caption. Calls the handlers show(n) and answer(). */
 class Scenes {
-  #scenes;
-  #show;
-  #answer;
-  #buttons;
-  #current = null;
-  #isAsking = false;
+  #scenes; #show; #answer; #buttons; #current = null; #isAsking = false;
 
   constructor(scenes, show, answer) {
-    this.#scenes = scenes;
-    this.#show = show;
-    this.#answer = answer;
+    [this.#scenes, this.#show, this.#answer] = [scenes, show, answer];
     this.list();
     byId('previous').addEventListener('click', () => this.step(-1));
     byId('next').addEventListener('click', () => this.step(1));
@@ -113,8 +98,7 @@ class Scenes {
 
   /** Marks a scene as the present one, with its question or its caption; null: none. `isChanged`: another selection. */
   mark(n, isAsking, isChanged) {
-    this.#current = n;
-    this.#isAsking = isAsking;
+    [this.#current, this.#isAsking] = [n, isAsking];
     if (!isAsking && document.activeElement === byId('answer')) byId('next').focus();
     byId('answer').hidden = !isAsking;
     this.#buttons.forEach((button, each) => {
@@ -143,13 +127,10 @@ function boundsOf({size, spacing_mm: spacing, origin_lps_mm: origin, direction_l
 
 /** A slider for each axis. Calls the handlers changed() after it has changed the model, and placed(mm): of the sliders. */
 class Cuts {
-  #model;
-  #placed;
-  #rows;
+  #model; #placed; #rows;
 
   constructor(model, camera, changed, placed) {
-    this.#model = model;
-    this.#placed = placed;
+    [this.#model, this.#placed] = [model, placed];
     const bounds = boundsOf(model.info.storage_grid);
     const axes = [['Right to left', 'left', 'right'], ['Front to back', 'posterior', 'anterior'],
       ['Bottom to top', 'superior', 'inferior']];

@@ -7,8 +7,7 @@ const kNames = 4;  // to choose from
  * Calls the handlers {state(), restore(state), show(n), light(index): alone within the hulls of the others, changed(): asked
  * or answered}. */
 class Quiz {
-  #model;
-  #handlers;
+  #model; #handlers;
   #before = null;    // state of the page; null: no quiz
   #question = null;  // {kind, text, asked, right: indices, since}; null: answered
   #left = [];        // questions
@@ -16,8 +15,7 @@ class Quiz {
   #rows = [];        // [kind, asked, answered, is right, seconds]
 
   constructor(model, handlers) {
-    this.#model = model;
-    this.#handlers = handlers;
+    [this.#model, this.#handlers] = [model, handlers];
     for (const kind of ['find', 'name', 'lesson']) byId(`quiz-${kind}`).addEventListener('click', () => this.#start(kind));
     byId('quiz-next').addEventListener('click', () => this.#next());
     byId('quiz-end').addEventListener('click', () => this.#end());
@@ -35,9 +33,7 @@ class Quiz {
   }
 
   /** True while names would give the answer away. */
-  isAsking() {
-    return this.#question !== null;
-  }
+  isAsking() { return this.#question !== null; }
 
   /** Takes a click on a structure, or on none. @returns {boolean} false without a question */
   takes(index) {

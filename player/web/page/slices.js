@@ -7,17 +7,13 @@ const kLabelShare = 0.4;  // of a structure's colour over the grey value
  * shown. Calls the handlers ask([[axis, index], ...]), moved(mm, axis): to a point of the slice across `axis`, and
  * named(index). */
 class Slices {
-  #model;
-  #handlers;
-  #size;
-  #bounds;
+  #model; #handlers; #size; #bounds;
   #mm = [0, 0, 0];
   #slices = [null, null, null];  // {axis, index, labels: of the voxels, greys}
   #canvases;
 
   constructor(model, handlers) {
-    this.#model = model;
-    this.#handlers = handlers;
+    [this.#model, this.#handlers] = [model, handlers];
     this.#size = model.info.storage_grid.size;
     this.#bounds = boundsOf(model.info.storage_grid);
     const isOblique = model.info.storage_grid.direction_lps.some((value, n) => n % 4 !== 0 && Math.abs(value) > 1e-3);
@@ -42,9 +38,7 @@ class Slices {
   }
 
   /** The axes of the columns and rows of a slice. */
-  #sides(axis) {
-    return [0, 1, 2].filter(other => other !== axis);
-  }
+  #sides(axis) { return [0, 1, 2].filter(other => other !== axis); }
 
   #index(axis) {
     const [first, last] = this.#bounds[axis];

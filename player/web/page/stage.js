@@ -47,9 +47,7 @@ class Stage {
   }
 
   /** [width, height] in pixels of the page. */
-  size() {
-    return [Math.max(1, this.#stage.clientWidth), Math.max(1, this.#stage.clientHeight)];
-  }
+  size() { return [Math.max(1, this.#stage.clientWidth), Math.max(1, this.#stage.clientHeight)]; }
 
   /** [width, height] of a picture for the screen. */
   pictureSize() {

@@ -13,9 +13,7 @@ class PointerName {
   #isOver = false;  // the picture
   #ask;
 
-  constructor(ask) {
-    this.#ask = ask;
-  }
+  constructor(ask) { this.#ask = ask; }
 
   /** The pointer is at (x, y) of a picture of this size. */
   move(x, y, [width, height]) {
@@ -32,9 +30,7 @@ class PointerName {
     this.#box.replaceChildren();
   }
 
-  show(picked) {
-    this.#box.replaceChildren(...(picked && this.#isOver ? [nameElement(picked.name)] : []));
-  }
+  show(picked) { this.#box.replaceChildren(...(picked && this.#isOver ? [nameElement(picked.name)] : [])); }
 }
 
 /** A menu at a structure. */
@@ -116,9 +112,7 @@ class Names {
   }
 
   /** The next size, or none after the largest. */
-  grow() {
-    this.#size = (this.#size + 1) % kNameSizes.length;
-  }
+  grow() { this.#size = (this.#size + 1) % kNameSizes.length; }
 
   /** What the engine needs to place them; null: no names are wanted. A scene that chooses labels has them anyway. */
   options(labels, pixelRatio) {
@@ -127,9 +121,7 @@ class Names {
     return {glyphs: this.#glyphs, dpi: size * pixelRatio * 72 / kNamePoints, background: stageColor(), labels};
   }
 
-  hide() {
-    this.#canvas.hidden = true;
-  }
+  hide() { this.#canvas.hidden = true; }
 
   show({lines, dots, texts}, width, height) {
     const context = this.#canvas.getContext('2d');

@@ -45,9 +45,7 @@ async function start({server, module, atlas, size: bytes}) {
   try {
     opening = server ? Splatlas.connect(server) : await Splatlas.load(module);
     if (atlas) opening.open(atlas);
-  } catch (error) {
-    return fail(error, 0, true);
-  }
+  } catch (error) { return fail(error, 0, true); }
   return startDrawing();
 }
 
@@ -60,9 +58,7 @@ function startDrawing() {
     [splatlas, opening] = [opening, null];
     self.postMessage({type: 'ready', info: splatlas.info()});
     wake();
-  } catch (error) {
-    fail(error, 0, true);
-  }
+  } catch (error) { fail(error, 0, true); }
 }
 
 /** Asks the page for the pieces that the latest calls have missed. @returns {boolean} false if there are none */
@@ -110,9 +106,7 @@ function attempt(task, request) {
     waiting[type] = request;
     latest = null;
     return undefined;
-  } catch (error) {
-    return fail(error, serial, !(error instanceof Splatlas.Error), type);
-  }
+  } catch (error) { return fail(error, serial, !(error instanceof Splatlas.Error), type); }
 }
 
 /** `of`: the type of the request; only one to draw leaves the page without a picture. A server ends a refinement when

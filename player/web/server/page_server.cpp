@@ -185,7 +185,9 @@ struct PageServer::Impl {
   using Sessions = std::map<std::string, std::shared_ptr<Session>>;
 
   ServedPage page;
+  std::string html;
   Door door;
+  std::mutex saving;  // before the other
   mutable std::mutex mutex;
   std::condition_variable ends;
   bool is_ending = false;
@@ -194,7 +196,8 @@ struct PageServer::Impl {
   std::string missing;
   MHD_Daemon* daemon = nullptr;
 
-  Impl(ServedPage given, Door opened) : page(std::move(given)), door(std::move(opened)) {}
+  Impl(ServedPage given, std::string encoded, Door opened)
+      : page(std::move(given)), html(std::move(encoded)), door(std::move(opened)) {}
   ~Impl() {
     {
       const std::scoped_lock lock(mutex);
@@ -272,12 +275,15 @@ struct PageServer::Impl {
     if (request.method == "GET" && request.path == "/alive" && !id.empty()) return alive(id);
     if (request.method == "POST" && request.path == "/call")
       return call(id, request.argument("worker"), body);
+    if (request.method == "POST" && request.path == "/lesson")
+      return save(id, body, !request.argument("replaces").empty());
     return {.status = 404, .body = bytes_of("no such address\n")};
   }
 
   HttpAnswer whole_page() const {
+    const std::scoped_lock lock(mutex);
     return {.type = "text/html; charset=utf-8",
-            .body = bytes_of(page.html),
+            .body = bytes_of(html),
             .headers = {{"Set-Cookie", door.cookie()},
                         {"Referrer-Policy", "no-referrer"},
                         {"Cross-Origin-Resource-Policy", "same-origin"},
@@ -336,6 +342,22 @@ struct PageServer::Impl {
     return answer_of(answer, session->engine.frame().picture);
   }
 
+  HttpAnswer save(const std::string& id, const std::string& scenes, bool replaces) {
+    const std::scoped_lock one(saving);
+    {
+      const std::scoped_lock lock(mutex);
+      if (!page.lesson || !open.contains(id)) return {.status = kNoPage};
+    }
+    const auto saved = page.lesson->save(*page.atlas, id, scenes, replaces);
+    if (!saved) return {.status = 400, .body = bytes_of(saved.error().message)};
+    if (!saved->atlas) return {.status = 202, .body = bytes_of(saved->text)};
+    auto encoded = page.html(*saved->atlas);
+    const std::scoped_lock lock(mutex);
+    page.atlas = saved->atlas;
+    if (encoded) html = *std::move(encoded);
+    return {.body = bytes_of(saved->text)};
+  }
+
   void note_missing(const Frame& frame) {
     if (frame.missing.empty()) return;
     const std::scoped_lock lock(mutex);
@@ -346,7 +368,8 @@ struct PageServer::Impl {
 Result<std::unique_ptr<PageServer>> PageServer::start(ServedPage page) {
   SPLATLAS_ASSIGN_OR_RETURN(Door door, Door::create());
   std::unique_ptr<PageServer> made(new PageServer);
-  made->impl_ = std::make_unique<Impl>(std::move(page), std::move(door));
+  SPLATLAS_ASSIGN_OR_RETURN(std::string html, page.html(*page.atlas));
+  made->impl_ = std::make_unique<Impl>(std::move(page), std::move(html), std::move(door));
   SPLATLAS_RETURN_IF_ERROR(made->impl_->serve());
   return made;
 }

@@ -3,7 +3,9 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -11,6 +13,7 @@
 #include "format/atlas_reader.h"
 #include "format/result.h"
 #include "player/render_options.h"
+#include "player/web/server/lesson_file.h"
 
 namespace splatlas {
 
@@ -53,9 +56,10 @@ class Door {
 /// An atlas, and the page that plays it.
 struct ServedPage {
   std::shared_ptr<const Atlas> atlas;
-  std::string html;
-  RendererOptions renderer;  ///< of each worker of a page
-  std::uint16_t port = 0;    ///< 0: any that is free
+  std::function<Result<std::string>(const Atlas&)> html;
+  RendererOptions renderer;                         ///< of each worker of a page
+  std::uint16_t port = 0;                           ///< 0: any that is free
+  std::optional<LessonFile> lesson = std::nullopt;  ///< none: lessons are not saved
 };
 
 /// A server on 127.0.0.1 behind a Door:
@@ -65,13 +69,15 @@ struct ServedPage {
 ///   - POST /call?page=ID&worker=N: a request to the PageEngine of a worker, 0 or 1. Two numbers of 32 bits,
 ///     the status and the bytes of the text; the text; and the pixels of a picture, 8-bit sRGB. 410 once the
 ///     page is closed.
+///   - POST /lesson?page=ID[&replaces=1]: saves the scenes of an open page (LessonFile), a line of text. 202:
+///     the line asks whether to replace; 400: an error. Pages that open later have the lesson.
 ///
 /// A worker has an engine of its own; all read one atlas. A draft ends what the other workers of its page
 /// draw. Limits: 64 KiB for a request without its body, 1 MiB for a body, 10 s for a pause, 400 connections.
 /// Thread-safe.
 class PageServer {
  public:
-  /// kFailed with the port and the reason. Errors of Door::create().
+  /// kFailed with the port and the reason. Errors of Door::create() and of the page.
   [[nodiscard]] static Result<std::unique_ptr<PageServer>> start(ServedPage page);
   /// Ends all pictures, and returns when no thread is left.
   ~PageServer();

@@ -7,13 +7,9 @@
 // The page must have scenes. Installs puppeteer-core and axe-core in FOLDER. SPLATLAS_BROWSER may name another Chromium, or Firefox.
 // Exit status 77: these or the browser are missing.
 'use strict';
-const assert = require('node:assert');
-const {execFileSync, spawn} = require('node:child_process');
-const {once} = require('node:events');
-const fs = require('node:fs');
-const path = require('node:path');
-const {createRequire} = require('node:module');
-const {pathToFileURL} = require('node:url');
+const assert = require('node:assert'); const {execFileSync, spawn} = require('node:child_process');
+const {once} = require('node:events'); const fs = require('node:fs'); const path = require('node:path');
+const {createRequire} = require('node:module'); const {pathToFileURL} = require('node:url');
 const {serve} = require('./serve.js');
 
 const kBrowser = process.env.SPLATLAS_BROWSER ?? '/usr/bin/chromium';
@@ -22,8 +18,7 @@ const kDesk = {width: 1280, height: 800};
 const kPhone = {width: 390, height: 844, ...(kIsFirefox ? {} : {isMobile: true, hasTouch: true})};
 const kPatience = 60000;  // ms
 
-const kDragMoves = 60;
-const kFrameMs = 30;
+const kDragMoves = 60; const kFrameMs = 30;
 const kMinDraftRate = 3;  // a second; slow machines run other tests meanwhile
 
 const kPackages = ['puppeteer-core@24', 'axe-core@4'];
@@ -55,8 +50,9 @@ class Visit {
     page.on('console', message => this.messages.push(message.text()));
     page.on('pageerror', error => this.messages.push(String(error)));
     page.on('dialog', dialog => {
+      if (dialog.message() === this.agrees) return dialog.accept();
       this.messages.push(`dialog: ${dialog.message()}`);
-      dialog.dismiss();
+      return dialog.dismiss();
     });
     page.on('request', request => {
       const isOwn = /^(file|data|blob):/.test(request.url()) || (site !== null && request.url().startsWith(site));
@@ -84,9 +80,7 @@ class Visit {
     assert(await this.page.evaluate(textOfCanvas) !== before, `${what}: the picture is the same`);
   }
 
-  async text(selector) {
-    return this.page.$eval(selector, each => each.textContent);
-  }
+  async text(selector) { return this.page.$eval(selector, each => each.textContent); }
 
   /** A screenshot of a state that axe finds no fault in. */
   async picture(name) {
@@ -139,12 +133,10 @@ async function drag(visit) {
 async function search(visit) {
   const {page} = visit;
   const isNamed = text => text.toLowerCase().includes(name.toLowerCase());
-  await page.click('#search');
-  await page.type('#search', name);
+  await page.click('#search'); await page.type('#search', name);
   const rows = await page.$$eval('#tree .label > bdi', names => names.map(each => each.textContent));
   assert(rows.length > 0 && rows.every(isNamed), `found: ${rows}`);
-  await visit.picture('search');
-  await page.click('#tree [role=treeitem]');
+  await visit.picture('search'); await page.click('#tree [role=treeitem]');
   assert(isNamed(await visit.text('#chosen-name')));
 }
 
@@ -157,8 +149,7 @@ async function edit(visit) {
   await page.mouse.click(x, y);
   await page.waitForSelector('#picked strong', {timeout: kPatience});
   assert.strictEqual(await visit.text('#picked strong'), await visit.text('#chosen-name'));
-  assert.strictEqual(await page.$eval('#search', input => input.value), '');
-  await visit.picture('desk_pick');
+  assert.strictEqual(await page.$eval('#search', input => input.value), ''); await visit.picture('desk_pick');
   await visit.changes('volume', () => page.click('[data-mode-button=volume]'));
   await visit.changes('colour', () => page.$eval('#color', input => {
     input.value = '#20c040';
@@ -180,10 +171,8 @@ async function point(visit) {
   await visit.changes('focus', () => page.mouse.click(x, y, {count: 2}));
   await page.mouse.click(x, y, {button: 'right'});
   await page.waitForSelector('#menu:not([hidden])', {timeout: kPatience});
-  await visit.picture('desk_menu');
-  await page.keyboard.press('Escape');
-  await visit.changes('ghosts', () => page.keyboard.press('g'));
-  await visit.picture('desk_ghosts');
+  await visit.picture('desk_menu'); await page.keyboard.press('Escape');
+  await visit.changes('ghosts', () => page.keyboard.press('g')); await visit.picture('desk_ghosts');
   await visit.changes('hide all', () => page.click('#hide-all'));
   await visit.changes('undo', () => page.keyboard.press('u'));
   await visit.changes('redo', () => page.click('#redo'));
@@ -196,9 +185,7 @@ async function talk(visit) {
   const hidden = selector => page.$eval(selector, each => getComputedStyle(each).display === 'none');
   await visit.changes('large', () => page.keyboard.press('f'));
   assert(await hidden('#panel') && await hidden('header') && !(await hidden('#caption')));
-  await visit.picture('desk_large');
-  await page.keyboard.press('b');
-  await page.keyboard.press('Escape');
+  await visit.picture('desk_large'); await page.keyboard.press('b'); await page.keyboard.press('Escape');
   assert.strictEqual(await page.evaluate(() => document.body.dataset.black), undefined);
   await visit.changes('end', () => page.keyboard.press('Escape'));
   assert(!(await hidden('#panel')));
@@ -243,19 +230,14 @@ async function buttonsAreInside(visit, sizes) {
 /** The colours, text sizes and tabs of the panel. */
 async function display(visit) {
   const {page} = visit;
-  await page.click('#tab-display');
-  await page.select('#theme', 'dark');
-  await visit.picture('desk_dark');
+  await page.click('#tab-display'); await page.select('#theme', 'dark'); await visit.picture('desk_dark');
   await page.select('#theme', 'contrast');
   await visit.changes('text size', () => page.select('#text-size', '1.25'));
-  await visit.picture('desk_contrast');
-  await page.select('#theme', 'light');
+  await visit.picture('desk_contrast'); await page.select('#theme', 'light');
   await visit.changes('text size', () => page.select('#text-size', '1'));
   await visit.changes('perspective', () => page.click('#perspective'));
   assert(await page.$eval('#scale-bar', bar => bar.hidden));
-  await visit.picture('desk_perspective');
-  await page.click('#tab-about');
-  await visit.picture('desk_about');
+  await visit.picture('desk_perspective'); await page.click('#tab-about'); await visit.picture('desk_about');
   await visit.hasNoOverflow();
   await page.pdf({path: path.join(folder, 'print.pdf'), format: 'A4', printBackground: true});
 }
@@ -265,8 +247,7 @@ async function ask(visit) {
   const {page} = visit;
   await visit.changes('scene', () => page.keyboard.press('n'));
   assert.strictEqual(await visit.text('#caption'), 'Which <b>ball</b> is it?');
-  await visit.picture('desk_question');
-  await page.keyboard.press('n');
+  await visit.picture('desk_question'); await page.keyboard.press('n');
   assert.strictEqual(await visit.text('#caption'), 'The <b>first</b> one.');
 }
 
@@ -275,8 +256,7 @@ async function slices(visit) {
   const {page} = visit;
   await page.click('#tab-cutting');
   const slice = await page.waitForSelector('#slices canvas:last-child[data-index]', {timeout: kPatience});
-  await page.click('#no-cuts');
-  await visit.changes('cut', () => slice.click());
+  await page.click('#no-cuts'); await visit.changes('cut', () => slice.click());
   assert.notStrictEqual(await visit.text('#picked'), '');
   const [cut] = await page.evaluate(() => window.splatlas.state().cuts);
   assert.deepStrictEqual(cut.normal, [0, 0, 1]);
@@ -291,9 +271,7 @@ async function quiz(visit) {
   const shown = () => page.evaluate(() => window.splatlas.state().select);
   const task = start => page.waitForFunction(
     text => document.getElementById('quiz-task').textContent.startsWith(text), {timeout: kPatience}, start);
-  const before = await shown();
-  await page.click('#tab-quiz');
-  await visit.changes('name it', () => page.click('#quiz-name'));
+  const before = await shown(); await page.click('#tab-quiz'); await visit.changes('name it', () => page.click('#quiz-name'));
   await visit.picture('desk_quiz');
   const asked = (await shown()).match(/^"([^"]*)"/)[1];
   const names = await page.$$eval('#quiz-names button', buttons => buttons.map(button => button.textContent));
@@ -301,11 +279,9 @@ async function quiz(visit) {
   await page.click(`#quiz-names button:nth-child(${names.indexOf(asked) + 1})`);
   await task(`Right: ${asked}.`);
   await visit.changes('find it', () => page.click('#quiz-find'));
-  await task('Click: ');
-  await page.mouse.click(...await middleOf(visit));
+  await task('Click: '); await page.mouse.click(...await middleOf(visit));
   await page.waitForFunction(() => document.getElementById('quiz-score').textContent.endsWith('of 2 right'), {timeout: kPatience});
-  await page.click('#quiz-end');
-  await page.evaluate(() => window.splatlas.idle());
+  await page.click('#quiz-end'); await page.evaluate(() => window.splatlas.idle());
   assert.strictEqual(await shown(), before);
 }
 
@@ -313,17 +289,14 @@ async function quiz(visit) {
 async function record(visit) {
   const {page} = visit;
   const idle = () => page.evaluate(() => splatlas.idle());
-  await page.click('#tab-recording');
-  await visit.changes('zoom', () => page.keyboard.press('+'));
+  await page.click('#tab-recording'); await visit.changes('zoom', () => page.keyboard.press('+'));
   await page.click('#record');
   await page.waitForFunction(() => document.activeElement.id === 'scene-name', {timeout: kPatience});
-  await page.type('#scene-name', 'Recorded');
-  await page.type('#scene-caption', 'One\n"Two"');
+  await page.type('#scene-name', 'Recorded'); await page.type('#scene-caption', 'One\n"Two"');
   await page.type('#scene-labels', 'Sphere_2');
   await idle();
   const screen = await page.evaluate(textOfCanvas);
-  await visit.picture('desk_lesson');
-  await page.click('#tab-structures');
+  await visit.picture('desk_lesson'); await page.click('#tab-structures');
   await visit.changes('scene', () => page.keyboard.press('p'));
   await visit.changes('scene', async () => {
     await page.keyboard.press('n');
@@ -343,53 +316,48 @@ async function record(visit) {
   fs.writeFileSync(path.join(folder, 'lesson.toml'), saved);
   assert.strictEqual(saved.match(/\[\[scene\]\]/g).length, 4);
   assert.match(saved, /name = "Recorded"\nselect = "\*:volume"\nquestion = ""\ncaption = "One\\n\\"Two\\""\n/);
-  assert.match(saved, /cuts = \["0,-1,0,-15", "0.5,0,0.5,20"\]\nlabels = \["Sphere_2"\]\n$/);
-  await page.click('#tab-recording');
-  await visit.changes('remove', () => page.click('#remove'));
+  assert.match(saved, /cuts = \["0,-1,0,-15","0.5,0,0.5,20"\]\nlabels = \["Sphere_2"\]\n$/);
+  await page.click('#tab-recording'); await saveIntoAtlas(visit, 4, 'Replace the lesson in native.atlas?');
+  await visit.changes('remove', () => page.click('#remove')); await saveIntoAtlas(visit, 3);
   await page.click('#tab-structures');
+}
+
+/** The lesson goes into the atlas that the player serves, here with a question. Exported pages only write files. */
+async function saveIntoAtlas(visit, scenes, question) {
+  assert.strictEqual(await visit.page.$eval('#save-atlas', button => button.hidden), !visit.atlas);
+  if (!visit.atlas) return;
+  visit.agrees = question;
+  await visit.page.evaluate(() => { document.getElementById('message').textContent = ''; }); await visit.page.click('#save-atlas');
+  await visit.page.waitForFunction(() => document.getElementById('message').textContent ===
+    'The lesson is saved in native.atlas.', {timeout: kPatience});
+  const {scenes: stored} = JSON.parse(execFileSync(player, ['info', visit.atlas, '--json']));
+  assert.strictEqual(stored.length, scenes);
 }
 
 async function onDesk(visit, url) {
   const {page} = visit;
-  await visit.open(url);
-  await visit.picture('desk');
+  await visit.open(url); await visit.picture('desk');
   assert.strictEqual(await page.evaluate(() => crossOriginIsolated), false);
   await visit.changes('scene', () => page.keyboard.press('n'));
-  assert.match(await visit.text('#place'), /^2 of/);
-  await visit.picture('desk_scene');
-  await ask(visit);
-  await quiz(visit);
-  await record(visit);
-  await visit.changes('scene', () => page.keyboard.press('p'));
+  assert.match(await visit.text('#place'), /^2 of/); await visit.picture('desk_scene'); await ask(visit);
+  await quiz(visit); await record(visit); await visit.changes('scene', () => page.keyboard.press('p'));
   await visit.changes('drag', () => drag(visit));
   await visit.changes('wheel', () => page.mouse.wheel({deltaY: -200}));
-  await search(visit);
-  await edit(visit);
-  await point(visit);
-  await restore(visit);
-  await slices(visit);
-  await buttonsAreInside(visit, [[1280, 720], [1920, 1080], [3840, 2160]]);
-  await goBack(visit);
-  await page.click('#tab-cutting');
-  await visit.changes('cut', () => page.select('#cuts select', 'high'));
-  await visit.picture('desk_cut');
-  await display(visit);
-  await talk(visit);
+  await search(visit); await edit(visit); await point(visit); await restore(visit); await slices(visit);
+  await buttonsAreInside(visit, [[1280, 720], [1920, 1080], [3840, 2160]]); await goBack(visit);
+  await page.click('#tab-cutting'); await visit.changes('cut', () => page.select('#cuts select', 'high'));
+  await visit.picture('desk_cut'); await display(visit); await talk(visit);
   return page.url();
 }
 
 async function onPhone(visit, url) {
-  await visit.open(url);
-  await visit.picture('phone');
-  await visit.hasNoOverflow();
-  await visit.changes('scene', () => visit.page.tap('#next'));
-  await visit.picture('phone_scene');
+  await visit.open(url); await visit.picture('phone'); await visit.hasNoOverflow();
+  await visit.changes('scene', () => visit.page.tap('#next')); await visit.picture('phone_scene');
   await buttonsAreInside(visit, [[390, 844]]);
   await visit.changes('view', () => visit.page.tap('#views button:nth-child(5)'));
   const {height} = await (await visit.page.$('#canvas')).boundingBox();
   assert.ok(height >= 0.6 * kPhone.height, `picture of ${height} pixels`);
-  await visit.page.tap('#tab-cutting');
-  await visit.picture('phone_cuts');
+  await visit.page.tap('#tab-cutting'); await visit.picture('phone_cuts');
   await visit.page.tap('#tab-cutting');
   await visit.page.waitForSelector('#cutting', {hidden: true, timeout: kPatience});
 }
@@ -417,19 +385,15 @@ async function byLink(visit, link) {
 async function goBack(visit) {
   const {page} = visit;
   const picture = () => page.evaluate(textOfCanvas);
-  await page.keyboard.press('p');
-  await visit.changes('scene', () => page.keyboard.press('p'));
+  await page.keyboard.press('p'); await visit.changes('scene', () => page.keyboard.press('p'));
   const scene = await picture();
   await visit.changes('scene', async () => {
-    await page.keyboard.press('n');
-    await page.keyboard.press('n');
+    await page.keyboard.press('n'); await page.keyboard.press('n');
   });
-  await page.keyboard.press('u');
-  await visit.changes('undo', () => page.keyboard.press('u'));
+  await page.keyboard.press('u'); await visit.changes('undo', () => page.keyboard.press('u'));
   assert.strictEqual(await picture(), scene);
 
-  await page.click('#tab-structures');
-  await visit.changes('hide', () => page.click('#tree .eye'));
+  await page.click('#tab-structures'); await visit.changes('hide', () => page.click('#tree .eye'));
   assert.match(await visit.text('#place'), /changed/);
   await visit.changes('show', () => page.click('#tree .eye'));
   assert.strictEqual(await picture(), scene);
@@ -451,8 +415,7 @@ async function onDamage(visit) {
   const half = 4 * Math.floor((html.indexOf('</script>', begin) - begin) / 8);
   const damaged = path.resolve(folder, 'damaged.html');
   fs.writeFileSync(damaged, html.slice(0, begin + half) + html.slice(html.indexOf('</script>', begin)));
-  await visit.page.setViewport(visit.viewport);
-  await visit.page.goto(pathToFileURL(damaged).href);
+  await visit.page.setViewport(visit.viewport); await visit.page.goto(pathToFileURL(damaged).href);
   await visit.page.waitForFunction(() => document.body.dataset.stopped === 'true', {timeout: kPatience});
   assert.match(await visit.text('#message'), /atlas/);
   assert.strictEqual(await visit.page.$eval('#opening-picture', image => image.hidden), false);
@@ -463,12 +426,10 @@ async function onDamage(visit) {
 async function onServer(newPage, ranges) {
   const server = await serve(path.join(folder, 'site'), {ranges});
   const visit = new Visit(await newPage(), kDesk, server.url);
-  await visit.open(server.url);
-  await visit.changes('scene', () => visit.page.keyboard.press('n'));
+  await visit.open(server.url); await visit.changes('scene', () => visit.page.keyboard.press('n'));
   await visit.changes('show all', () => visit.page.click('#show-all'));
   await visit.picture(ranges ? 'site' : 'site_whole');
-  assert.deepStrictEqual(visit.messages, []);
-  await visit.page.close();
+  assert.deepStrictEqual(visit.messages, []); await visit.page.close();
   server.close();
 }
 
@@ -480,20 +441,20 @@ async function onSlowServer(newPage) {
   await visit.open(server.url);
   const [x, y] = await middleOf(visit);
   await visit.changes('scene', async () => {
-    await page.keyboard.press('n');
-    await page.mouse.click(x, y);
+    await page.keyboard.press('n'); await page.mouse.click(x, y);
   });
   await page.waitForFunction(() => document.querySelector('#picked strong'), {timeout: kPatience});
   assert.match(await visit.text('#place'), /^2 of/);
   assert.doesNotMatch(await visit.text('#message'), /not loaded/);
-  assert.deepStrictEqual(visit.messages, []);
-  await page.close();
+  assert.deepStrictEqual(visit.messages, []); await page.close();
   server.close();
 }
 
 /** The page of the program that has the engine, which ends with its page. */
 async function onNative(browser) {
-  const program = spawn(player, [atlas, '--no-browser'], {stdio: ['ignore', 'pipe', 'inherit']});
+  const copy = path.join(folder, 'native.atlas');
+  fs.copyFileSync(atlas, copy);
+  const program = spawn(player, [copy, '--no-browser'], {stdio: ['ignore', 'pipe', 'inherit']});
   const ended = once(program, 'exit');
   const [line] = await once(program.stdout, 'data');
   const [address] = String(line).split('\n');
@@ -502,7 +463,7 @@ async function onNative(browser) {
   let link = '';
   for (const [viewport, run] of [[kDesk, async visit => { link = await onDesk(visit, address); }],
     [kPhone, visit => onPhone(visit, site)], [kDesk, visit => byLink(visit, link)]]) {
-    const visit = new Visit(await context.newPage(), viewport, site);
+    const visit = Object.assign(new Visit(await context.newPage(), viewport, site), {atlas: copy});
     await run(visit);
     assert.deepStrictEqual(visit.messages, []);
     assert(!visit.page.url().includes('token'));
@@ -525,8 +486,7 @@ async function main() {
       [kPhone, onPhone], [kDesk, visit => byLink(visit, link)], [kDesk, onDamage]]) {
       const visit = new Visit(await newPage(), viewport);
       await run(visit, url);
-      assert.deepStrictEqual(visit.messages, []);
-      await visit.page.close();
+      assert.deepStrictEqual(visit.messages, []); await visit.page.close();
     }
     await onServer(newPage, true);
     await onServer(newPage, false);

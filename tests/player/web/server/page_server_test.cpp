@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <random>
 #include <stdexcept>
 #include <string>
@@ -19,9 +20,15 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "format/atlas_writer.h"
 #include "player/web/page_engine.h"
+#include "player/web/server/lesson_file.h"
+#include "tests/format/ordinary_user.h"
+#include "tests/support/fails_with.h"
+#include "tests/support/file_bytes.h"
 #include "tests/support/phantom_content.h"
 #include "tests/support/render.h"
+#include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
@@ -86,7 +93,10 @@ HttpReply reply_to(std::uint16_t port, const std::string& request) {
   return {std::stoi(text.substr(text.find(' '))), text.substr(0, end), text.substr(end + 4)};
 }
 
-constexpr const char* kPage = "<p>The page</p>";
+/// The page of an atlas.
+Result<std::string> page_of(const Atlas& atlas) {
+  return fmt::format("<p>{} scenes</p>", atlas.scenes().size());
+}
 
 /// An answer of /call.
 struct CallReply {
@@ -95,7 +105,19 @@ struct CallReply {
   std::string text = {}, pixels = {};
 };
 
-class PageServerTest : public testing::Test {
+/// An atlas in a folder, which is played.
+class PlayedAtlas : public testing::Test {
+ protected:
+  static std::shared_ptr<const Atlas> written(const std::string& file) {
+    value_or_throw(write_atlas(phantom_content(), file));
+    return value_or_throw(Atlas::open(file));
+  }
+  const TemporaryFolder folder_;
+  const std::string file_ = folder_.file("a.atlas");
+  std::shared_ptr<const Atlas> atlas_ = written(file_);
+};
+
+class PageServerTest : public PlayedAtlas {
  protected:
   [[nodiscard]] std::uint16_t port() const { return port_; }
   [[nodiscard]] std::string query(const std::string& more = "") const { return "?token=" + token_ + more; }
@@ -130,9 +152,8 @@ class PageServerTest : public testing::Test {
     return page;
   }
 
-  const std::shared_ptr<const Atlas> atlas_ = open_in_memory(phantom_content());
-  const std::unique_ptr<PageServer> server_ =
-      value_or_throw(PageServer::start({.atlas = atlas_, .html = kPage, .renderer = {.threads = 2}}));
+  const std::unique_ptr<PageServer> server_ = value_or_throw(PageServer::start(
+      {.atlas = atlas_, .html = page_of, .renderer = {.threads = 2}, .lesson = LessonFile(file_, {})}));
   const std::string address_ = server_->address();
   const std::string token_ = address_.substr(address_.find('=') + 1);
   const std::uint16_t port_ = static_cast<std::uint16_t>(std::stoi(address_.substr(address_.rfind(':') + 1)));
@@ -141,7 +162,7 @@ class PageServerTest : public testing::Test {
 TEST_F(PageServerTest, AdmitsItsOwnPageAlone) {
   const HttpReply page = get("/" + query(), own_host());
   EXPECT_EQ(page.status, 200);
-  EXPECT_EQ(page.body, kPage);
+  EXPECT_EQ(page.body, "<p>0 scenes</p>");
   const std::size_t cookie = page.head.find("Set-Cookie: ") + 12;
   const std::string given = page.head.substr(cookie, page.head.find(';', cookie) - cookie);
   EXPECT_EQ(get("/", own_host() + "Cookie: " + given + "\r\n").status, 200);
@@ -265,6 +286,87 @@ TEST_F(PageServerTest, APageIsOpenAsLongAsItsStream) {
   EXPECT_EQ(call(0, R"({"call": "wanted"})").http, 200);
 }
 
+std::string scene_named(const std::string& name, const std::string& select = "Sphere_1:surface(ghost)",
+                        const std::string& cut = "0,-1,0,-15", const std::string& label = "Sphere_2") {
+  return fmt::format(
+      R"({{"name": "{}", "select": "{}", "question": "Which?", "caption": "One\nTwo", "azimuth": 30, "elevation": -10.5, "zoom": 1.5, "projection": "perspective", "center": "1,2,3.5", "cuts": ["{}", "left=10"], "labels": ["{}"]}})",
+      name, select, cut, label);
+}
+
+class LessonFileTest : public PlayedAtlas {
+ protected:
+  [[nodiscard]] SavedLesson save(const std::string& page, const std::string& scenes, bool replaces = false) {
+    return value_or_throw(lesson_.save(*atlas_, page, "[" + scenes + "]", replaces));
+  }
+  LessonFile lesson_{file_, {}};
+};
+
+TEST_F(LessonFileTest, GoesIntoTheAtlasAndReplacesNoOtherWithoutAQuestion) {
+  const SavedLesson saved = save("p", scene_named("A") + "," + scene_named("B"));
+  EXPECT_EQ(saved.text, "The lesson is saved in a.atlas.");
+  atlas_ = value_or_throw(Atlas::open(file_));
+  const Scene expected{"A",         "One\nTwo", "Sphere_1:surface(ghost)", 30,        -10.5,
+                       1.5,         "Which?",   "0,-1,0,-15 left=10",      "1,2,3.5", true,
+                       {"Sphere_2"}};
+  EXPECT_EQ(atlas_->scenes().at(0), expected);
+  EXPECT_EQ(saved.atlas->scenes(), atlas_->scenes());
+  EXPECT_EQ(save("p", scene_named("A")).text, saved.text) << "its own lesson";
+  const std::string before = read_bytes(file_);
+  const SavedLesson question = save("q", scene_named("C"));
+  EXPECT_EQ(question.atlas, nullptr);
+  EXPECT_EQ(question.text, "Replace the lesson in a.atlas?");
+  EXPECT_EQ(read_bytes(file_), before);
+  EXPECT_EQ(save("q", scene_named("C"), true).text, saved.text);
+  EXPECT_EQ(value_or_throw(Atlas::open(file_))->scenes().at(0).name, "C");
+  EXPECT_THAT(folder_.names(), testing::ElementsAre("a.atlas"));
+}
+
+TEST_F(LessonFileTest, BadScenesAndChangedAtlasesStayAsTheyAre) {
+  const std::string before = read_bytes(file_);
+  for (const std::string& bad :
+       {std::string("{"), std::string("3"), std::string(R"({"name": "A"})"), scene_named(""),
+        scene_named("A") + "," + scene_named("a"), scene_named("A", "Sphere_3"),
+        scene_named("A", "*", "left"), scene_named("A", "*", "left=1", "Nobody")}) {
+    EXPECT_FALSE(lesson_.save(*atlas_, "p", "[" + bad + "]", true)) << bad;
+  }
+  EXPECT_EQ(read_bytes(file_), before);
+  ASSERT_TRUE(write_bytes(file_, "another"));
+  EXPECT_THAT(lesson_.save(*atlas_, "p", "[]", true),
+              FailsWith(ErrorCode::kFailed, HasSubstr("has changed")));
+  EXPECT_EQ(read_bytes(file_), "another");
+  EXPECT_THAT(folder_.names(), testing::ElementsAre("a.atlas"));
+}
+
+TEST_F(LessonFileTest, GoesBesideAnAtlasThatIsReadOnly) {
+  const std::string before = read_bytes(file_);
+  ASSERT_TRUE(give_to_ordinary_user(folder_.path().c_str()));
+  std::filesystem::permissions(file_, std::filesystem::perms(0444));
+  ASSERT_TRUE(write_bytes(folder_.file("a.lesson.atlas"), "other"));
+  ASSERT_TRUE(give_to_ordinary_user(folder_.file("a.lesson.atlas").c_str()));
+  const OrdinaryUser user;
+  EXPECT_EQ(save("p", scene_named("A")).text, "Replace the atlas in a.lesson.atlas?");
+  EXPECT_EQ(read_bytes(folder_.file("a.lesson.atlas")), "other");
+  EXPECT_EQ(save("p", scene_named("A"), true).text, "The lesson is saved in a.lesson.atlas.");
+  EXPECT_EQ(save("p", scene_named("A") + "," + scene_named("B")).atlas->scenes().size(), 2U);
+  EXPECT_EQ(read_bytes(file_), before);
+  EXPECT_THAT(folder_.names(), testing::ElementsAre("a.atlas", "a.lesson.atlas"));
+}
+
+TEST_F(PageServerTest, SavesTheLessonOfAnOpenPage) {
+  const auto save = [&](const std::string& scenes) {
+    return reply_to(port(), post("/lesson" + query("&page=p"), "[" + scenes + "]"));
+  };
+  EXPECT_EQ(save(scene_named("A")).status, 410);
+  const auto page = open_page();
+  EXPECT_EQ(get("/lesson" + query("&page=p"), own_host()).status, 404);
+  EXPECT_EQ(reply_to(port(), post("/lesson?page=p", "[]")).status, 403);
+  EXPECT_EQ(save(scene_named("A", "Sphere_3")).status, 400);
+  EXPECT_EQ(get("/" + query(), own_host()).body, "<p>0 scenes</p>");
+  EXPECT_EQ(save(scene_named("A")).body, "The lesson is saved in a.atlas.");
+  EXPECT_EQ(get("/" + query(), own_host()).body, "<p>1 scenes</p>");
+  EXPECT_EQ(Json::parse(call(0, R"({"call": "info"})").text).at("scenes").size(), 1U);
+}
+
 TEST(Door, HasATokenOfItsOwnAndATicketForOneUse) {
   const Door door = value_or_throw(Door::create());
   EXPECT_NE(door.address(1), value_or_throw(Door::create()).address(1));
@@ -277,10 +379,10 @@ TEST(Door, HasATokenOfItsOwnAndATicketForOneUse) {
 
 TEST(PageServer, NamesThePortThatIsTaken) {
   const auto atlas = open_in_memory(phantom_content());
-  const auto first = value_or_throw(PageServer::start({.atlas = atlas, .html = kPage, .renderer = {}}));
+  const auto first = value_or_throw(PageServer::start({.atlas = atlas, .html = page_of, .renderer = {}}));
   const std::string address = first->address();
   const auto port = static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1)));
-  const auto second = PageServer::start({.atlas = atlas, .html = kPage, .renderer = {}, .port = port});
+  const auto second = PageServer::start({.atlas = atlas, .html = page_of, .renderer = {}, .port = port});
   ASSERT_FALSE(second);
   EXPECT_THAT(second.error().message, HasSubstr(std::to_string(port)));
 }
