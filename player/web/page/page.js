@@ -454,7 +454,7 @@ class Page {
     });
     byId('text-size').addEventListener('change', event => {
       document.documentElement.style.setProperty('--text', event.target.value);
-      document.documentElement.toggleAttribute('data-large-text', event.target.value !== '1');
+      document.body.toggleAttribute('data-flows', Number(event.target.value) >= 1.5);
     });
   }
 

@@ -75,8 +75,7 @@ class Visit {
   async changes(what, act) {
     const before = await this.page.evaluate(textOfCanvas);
     await this.page.evaluate(() => { document.body.dataset.quality = ''; });
-    await act();
-    await this.refined();
+    await act(); await this.refined();
     assert(await this.page.evaluate(textOfCanvas) !== before, `${what}: the picture is the same`);
   }
 
@@ -115,17 +114,13 @@ async function drag(visit) {
       put.apply(this, picture);
     };
   });
-  const begin = performance.now();
-  const [x, y] = await middleOf(visit);
-  await mouse.move(x, y);
-  await mouse.down();
+  const begin = performance.now(); const [x, y] = await middleOf(visit); await mouse.move(x, y); await mouse.down();
   for (let n = 1; n <= kDragMoves; ++n) {
     await mouse.move(x + 200 * n / kDragMoves, y + 40 * n / kDragMoves);
     await new Promise(resolve => setTimeout(resolve, kFrameMs));
   }
   const seconds = (performance.now() - begin) / 1000;
-  const rate = await visit.page.evaluate(() => window.drafts) / seconds;
-  await mouse.up();
+  const rate = await visit.page.evaluate(() => window.drafts) / seconds; await mouse.up();
   console.log(`${rate.toFixed(1)} drafts a second in a drag`);
   assert(rate > kMinDraftRate);
 }
@@ -144,8 +139,7 @@ async function search(visit) {
 async function edit(visit) {
   const {page} = visit;
   await visit.changes('isolate', () => page.click('#isolate'));
-  await visit.changes('fit', () => page.keyboard.press('0'));
-  const [x, y] = await middleOf(visit);
+  await visit.changes('fit', () => page.keyboard.press('0')); const [x, y] = await middleOf(visit);
   await page.mouse.click(x, y);
   await page.waitForSelector('#picked strong', {timeout: kPatience});
   assert.strictEqual(await visit.text('#picked strong'), await visit.text('#chosen-name'));
@@ -155,8 +149,7 @@ async function edit(visit) {
     input.value = '#20c040';
     input.dispatchEvent(new Event('input'));
   }));
-  await visit.changes('undo', () => page.click('#undo'));
-  await visit.changes('undo', () => page.keyboard.press('u'));
+  await visit.changes('undo', () => page.click('#undo')); await visit.changes('undo', () => page.keyboard.press('u'));
   await visit.changes('undo', () => page.keyboard.press('u'));
   await visit.changes('fit', () => page.keyboard.press('0'));
 }
@@ -164,8 +157,7 @@ async function edit(visit) {
 /** What the pointer does: a name at rest, a focus, a menu. */
 async function point(visit) {
   const {page} = visit;
-  const [x, y] = await middleOf(visit);
-  await page.mouse.move(x + 3, y + 3);
+  const [x, y] = await middleOf(visit); await page.mouse.move(x + 3, y + 3);
   await page.waitForFunction(() => document.getElementById('hover').textContent !== '', {timeout: kPatience});
   assert.strictEqual(await visit.text('#hover'), await visit.text('#chosen-name'));
   await visit.changes('focus', () => page.mouse.click(x, y, {count: 2}));
@@ -174,8 +166,7 @@ async function point(visit) {
   await visit.picture('desk_menu'); await page.keyboard.press('Escape');
   await visit.changes('ghosts', () => page.keyboard.press('g')); await visit.picture('desk_ghosts');
   await visit.changes('hide all', () => page.click('#hide-all'));
-  await visit.changes('undo', () => page.keyboard.press('u'));
-  await visit.changes('redo', () => page.click('#redo'));
+  await visit.changes('undo', () => page.keyboard.press('u')); await visit.changes('redo', () => page.click('#redo'));
   await visit.changes('undo', () => page.keyboard.press('u'));
 }
 
@@ -187,10 +178,8 @@ async function talk(visit) {
   assert(await hidden('#panel') && await hidden('header') && !(await hidden('#caption')));
   await visit.picture('desk_large'); await page.keyboard.press('b'); await page.keyboard.press('Escape');
   assert.strictEqual(await page.evaluate(() => document.body.dataset.black), undefined);
-  await visit.changes('end', () => page.keyboard.press('Escape'));
-  assert(!(await hidden('#panel')));
-  await page.keyboard.press('?');
-  assert(!(await hidden('#keys')));
+  await visit.changes('end', () => page.keyboard.press('Escape')); assert(!(await hidden('#panel')));
+  await page.keyboard.press('?'); assert(!(await hidden('#keys')));
 }
 
 /** The state comes back by window.splatlas. */
@@ -203,9 +192,7 @@ async function restore(visit) {
   const after = await page.evaluate(async state => {
     const {count} = splatlas.pictures;
     splatlas.show({select: '*:volume'});
-    await splatlas.idle();
-    splatlas.show(state);
-    await splatlas.idle();
+    await splatlas.idle(); splatlas.show(state); await splatlas.idle();
     return {more: splatlas.pictures - count, ms: splatlas.pictures.ms, picture: document.getElementById('canvas').toDataURL()};
   }, before.state);
   assert.strictEqual(after.picture, before.picture);
@@ -231,8 +218,7 @@ async function buttonsAreInside(visit, sizes) {
 async function display(visit) {
   const {page} = visit;
   await page.click('#tab-display'); await page.select('#theme', 'dark'); await visit.picture('desk_dark');
-  await page.select('#theme', 'contrast');
-  await visit.changes('text size', () => page.select('#text-size', '1.25'));
+  await page.select('#theme', 'contrast'); await visit.changes('text size', () => page.select('#text-size', '1.25'));
   await visit.picture('desk_contrast'); await page.select('#theme', 'light');
   await visit.changes('text size', () => page.select('#text-size', '1'));
   await visit.changes('perspective', () => page.click('#perspective'));
@@ -272,8 +258,7 @@ async function quiz(visit) {
   const task = start => page.waitForFunction(
     text => document.getElementById('quiz-task').textContent.startsWith(text), {timeout: kPatience}, start);
   const before = await shown(); await page.click('#tab-quiz'); await visit.changes('name it', () => page.click('#quiz-name'));
-  await visit.picture('desk_quiz');
-  const asked = (await shown()).match(/^"([^"]*)"/)[1];
+  await visit.picture('desk_quiz'); const asked = (await shown()).match(/^"([^"]*)"/)[1];
   const names = await page.$$eval('#quiz-names button', buttons => buttons.map(button => button.textContent));
   assert.ok(names.includes(asked) && new Set(names).size === names.length, names.join());
   await page.click(`#quiz-names button:nth-child(${names.indexOf(asked) + 1})`);
@@ -293,17 +278,14 @@ async function record(visit) {
   await page.click('#record');
   await page.waitForFunction(() => document.activeElement.id === 'scene-name', {timeout: kPatience});
   await page.type('#scene-name', 'Recorded'); await page.type('#scene-caption', 'One\n"Two"');
-  await page.type('#scene-labels', 'Sphere_2');
-  await idle();
-  const screen = await page.evaluate(textOfCanvas);
+  await page.type('#scene-labels', 'Sphere_2'); await idle(); const screen = await page.evaluate(textOfCanvas);
   await visit.picture('desk_lesson'); await page.click('#tab-structures');
   await visit.changes('scene', () => page.keyboard.press('p'));
   await visit.changes('scene', async () => {
     await page.keyboard.press('n');
     await page.keyboard.press('n');  // the answer, and the next
   });
-  await idle();
-  assert.strictEqual(await page.evaluate(textOfCanvas), screen);
+  await idle(); assert.strictEqual(await page.evaluate(textOfCanvas), screen);
   await page.waitForSelector('#names:not([hidden])', {timeout: kPatience});
   await visit.picture('desk_names');
   const saved = await page.evaluate(async () => {
@@ -334,6 +316,23 @@ async function saveIntoAtlas(visit, scenes, question) {
   assert.strictEqual(stored.length, scenes);
 }
 
+/** With texts of 300 %, every control can be scrolled to, whole or above all of the window, and nothing covers it. */
+async function largeText(visit) {
+  for (const tab of ['structures', 'cutting', 'recording', 'quiz', 'display']) {
+    await visit.page.select('#text-size', '3'); await visit.page.$eval(`#tab-${tab}`, button => button.click());
+    await visit.page.evaluate(() => new Promise(resolve => { setTimeout(resolve, 300); })); await visit.hasNoOverflow();
+    const faults = await visit.page.$$eval('button, input, select, textarea', all => all.filter(each => {
+      if (!each.checkVisibility()) return false;
+      each.scrollIntoView({block: 'center'});
+      const {left, top, right, bottom} = each.getBoundingClientRect();
+      const found = document.elementFromPoint((left + right) / 2, (top + bottom) / 2);
+      return left < 0 || right > innerWidth || top < 0 || bottom > innerHeight || !(found === each || each.contains(found));
+    }).map(each => each.id || each.textContent || each.ariaLabel));
+    assert.deepStrictEqual(faults, [], tab);
+  }
+  await visit.picture(`text_${visit.viewport.width}`); await visit.page.select('#text-size', '1');
+}
+
 async function onDesk(visit, url) {
   const {page} = visit;
   await visit.open(url); await visit.picture('desk');
@@ -346,7 +345,7 @@ async function onDesk(visit, url) {
   await search(visit); await edit(visit); await point(visit); await restore(visit); await slices(visit);
   await buttonsAreInside(visit, [[1280, 720], [1920, 1080], [3840, 2160]]); await goBack(visit);
   await page.click('#tab-cutting'); await visit.changes('cut', () => page.select('#cuts select', 'high'));
-  await visit.picture('desk_cut'); await display(visit); await talk(visit);
+  await visit.picture('desk_cut'); await display(visit); await largeText(visit); await talk(visit);
   return page.url();
 }
 
@@ -357,16 +356,15 @@ async function onPhone(visit, url) {
   await visit.changes('view', () => visit.page.tap('#views button:nth-child(5)'));
   const {height} = await (await visit.page.$('#canvas')).boundingBox();
   assert.ok(height >= 0.6 * kPhone.height, `picture of ${height} pixels`);
-  await visit.page.tap('#tab-cutting'); await visit.picture('phone_cuts');
-  await visit.page.tap('#tab-cutting');
+  await visit.page.tap('#tab-cutting'); await visit.picture('phone_cuts'); await visit.page.tap('#tab-cutting');
   await visit.page.waitForSelector('#cutting', {hidden: true, timeout: kPatience});
+  await largeText(visit);
 }
 
 /** Opens a link of the page: the same state. Bad links give a message, and the opening picture or what was there. */
 async function byLink(visit, link) {
   const {page} = visit;
-  await visit.open(link);
-  assert.strictEqual(page.url(), link);
+  await visit.open(link); assert.strictEqual(page.url(), link);
   for (const bad of ['select=no+such+thing&view=1,2,x', 'select=*:surface&view=0,0,1,1e300,0,0',
     'select=*:surface&cuts=1e300,0,0,1']) {
     await page.goto('about:blank');
@@ -394,8 +392,7 @@ async function goBack(visit) {
   assert.strictEqual(await picture(), scene);
 
   await page.click('#tab-structures'); await visit.changes('hide', () => page.click('#tree .eye'));
-  assert.match(await visit.text('#place'), /changed/);
-  await visit.changes('show', () => page.click('#tree .eye'));
+  assert.match(await visit.text('#place'), /changed/); await visit.changes('show', () => page.click('#tree .eye'));
   assert.strictEqual(await picture(), scene);
 
   await page.click('#tab-display');
@@ -403,14 +400,12 @@ async function goBack(visit) {
   await page.click('#apply-text');
   await page.waitForFunction(() => !document.getElementById('message').hidden, {timeout: kPatience});
   assert.strictEqual(await page.$eval('#selection-text', box => box.value), 'no such thing');
-  await page.evaluate(() => window.splatlas.idle());
-  assert.strictEqual(await picture(), scene);
+  await page.evaluate(() => window.splatlas.idle()); assert.strictEqual(await picture(), scene);
 }
 
 /** A page whose atlas is cut short tells so, and keeps its opening picture. */
 async function onDamage(visit) {
-  const html = fs.readFileSync(file, 'utf8');
-  const tag = 'id="atlas" data-url="">';
+  const html = fs.readFileSync(file, 'utf8'); const tag = 'id="atlas" data-url="">';
   const begin = html.indexOf(tag) + tag.length;
   const half = 4 * Math.floor((html.indexOf('</script>', begin) - begin) / 8);
   const damaged = path.resolve(folder, 'damaged.html');
@@ -429,8 +424,7 @@ async function onServer(newPage, ranges) {
   await visit.open(server.url); await visit.changes('scene', () => visit.page.keyboard.press('n'));
   await visit.changes('show all', () => visit.page.click('#show-all'));
   await visit.picture(ranges ? 'site' : 'site_whole');
-  assert.deepStrictEqual(visit.messages, []); await visit.page.close();
-  server.close();
+  assert.deepStrictEqual(visit.messages, []); await visit.page.close(); server.close();
 }
 
 /** A click while pieces are under way waits for them, and the new scene stays. */
@@ -438,39 +432,30 @@ async function onSlowServer(newPage) {
   const server = await serve(path.join(folder, 'site'), {ranges: true, delay: 300});
   const visit = new Visit(await newPage(), kDesk, server.url);
   const {page} = visit;
-  await visit.open(server.url);
-  const [x, y] = await middleOf(visit);
+  await visit.open(server.url); const [x, y] = await middleOf(visit);
   await visit.changes('scene', async () => {
     await page.keyboard.press('n'); await page.mouse.click(x, y);
   });
   await page.waitForFunction(() => document.querySelector('#picked strong'), {timeout: kPatience});
-  assert.match(await visit.text('#place'), /^2 of/);
-  assert.doesNotMatch(await visit.text('#message'), /not loaded/);
-  assert.deepStrictEqual(visit.messages, []); await page.close();
-  server.close();
+  assert.match(await visit.text('#place'), /^2 of/); assert.doesNotMatch(await visit.text('#message'), /not loaded/);
+  assert.deepStrictEqual(visit.messages, []); await page.close(); server.close();
 }
 
 /** The page of the program that has the engine, which ends with its page. */
 async function onNative(browser) {
-  const copy = path.join(folder, 'native.atlas');
-  fs.copyFileSync(atlas, copy);
+  const copy = path.join(folder, 'native.atlas'); fs.copyFileSync(atlas, copy);
   const program = spawn(player, [copy, '--no-browser'], {stdio: ['ignore', 'pipe', 'inherit']});
-  const ended = once(program, 'exit');
-  const [line] = await once(program.stdout, 'data');
-  const [address] = String(line).split('\n');
-  const site = new URL('/', address).href;
+  const ended = once(program, 'exit'); const [line] = await once(program.stdout, 'data');
+  const [address] = String(line).split('\n'); const site = new URL('/', address).href;
   const context = await browser.createBrowserContext();
   let link = '';
   for (const [viewport, run] of [[kDesk, async visit => { link = await onDesk(visit, address); }],
     [kPhone, visit => onPhone(visit, site)], [kDesk, visit => byLink(visit, link)]]) {
     const visit = Object.assign(new Visit(await context.newPage(), viewport, site), {atlas: copy});
-    await run(visit);
-    assert.deepStrictEqual(visit.messages, []);
-    assert(!visit.page.url().includes('token'));
+    await run(visit); assert.deepStrictEqual(visit.messages, []); assert(!visit.page.url().includes('token'));
     await visit.page.close();
   }
-  const [status] = await ended;
-  assert.strictEqual(status, 0);
+  const [status] = await ended; assert.strictEqual(status, 0);
 }
 
 async function main() {
@@ -484,13 +469,10 @@ async function main() {
     let link = '';
     for (const [viewport, run] of [[kDesk, async (visit, at) => { link = await onDesk(visit, at); }],
       [kPhone, onPhone], [kDesk, visit => byLink(visit, link)], [kDesk, onDamage]]) {
-      const visit = new Visit(await newPage(), viewport);
-      await run(visit, url);
+      const visit = new Visit(await newPage(), viewport); await run(visit, url);
       assert.deepStrictEqual(visit.messages, []); await visit.page.close();
     }
-    await onServer(newPage, true);
-    await onServer(newPage, false);
-    await onSlowServer(newPage);
+    await onServer(newPage, true); await onServer(newPage, false); await onSlowServer(newPage);
     await onNative(browser);
   } finally {
     await browser.close();
@@ -501,6 +483,5 @@ async function main() {
 main().then(
   status => process.exit(status),
   error => {
-    console.error(error);
-    process.exit(1);
+    console.error(error); process.exit(1);
   });
