@@ -15,6 +15,11 @@
 namespace splatlas::reference {
 namespace {
 
+/// As a number of 32 bits.
+bool is_finite(double value) {
+  return std::isfinite(static_cast<float>(value));
+}
+
 double ramp(double x, double low, double high) {
   return std::clamp((x - low) / (high - low), 0.0, 1.0);
 }
@@ -63,7 +68,7 @@ class Lighter {
       light.normal = packed(mixed);
       return light;
     }
-    const double value = value_of(content_.values, number(voxel)), grey = std::isfinite(value) ? value : 0;
+    const double value = value_of(content_.values, number(voxel)), grey = is_finite(value) ? value : 0;
     const double reach = 3 * voxel_side_mm(grid_) * std::sqrt(gradient.squared_length);
     const TransferCurve curve =
         transfer_curve(selection_.structures[draw_of_[c]->volume_of], content_.display);
@@ -112,7 +117,7 @@ class Lighter {
   /// True for a voxel of the same structures with a grey value.
   [[nodiscard]] bool counts(const Index3& v, const std::set<StructureIndex>& structures) const {
     return grid_.contains(v[0], v[1], v[2]) && structures_at(v) == structures &&
-           std::isfinite(value_of(content_.values, number(v)));
+           is_finite(value_of(content_.values, number(v)));
   }
 
   [[nodiscard]] Gradient gradient_at(const Index3& voxel) const {

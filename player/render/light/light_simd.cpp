@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include "player/render/light/voxel_light.h"
@@ -273,8 +274,18 @@ void Emit(std::span<const LitBlock> blocks, const float* factors, int emissions,
   const F d;
   const I di;
   const Floats one = hn::Set(d, 1), all_lit = hn::Set(d, VoxelLight::kAllLit);
+  constexpr std::size_t kAhead = 8;
+  const auto emission_of = [&](const LitBlock& block) {
+    return optics + block.block * kBlock * (1 + emissions) + kBlock;
+  };
   for (const LitBlock& block : blocks) {
-    float* const emission = optics + block.block * kBlock * (1 + emissions) + kBlock;
+    float* const emission = emission_of(block);
+    if (&block + kAhead < blocks.data() + blocks.size()) {
+      for (const std::size_t line : {64, 128})
+        hwy::Prefetch(reinterpret_cast<const char*>(&block + 2 * kAhead) + line);
+      const float* const next = emission_of(*(&block + kAhead));
+      for (int c = 0; c < emissions; ++c) hwy::Prefetch(next + c * kBlock);
+    }
     for (std::size_t n = 0; n < kBlock; n += hn::Lanes(d)) {
       const Ints light = hn::LoadU(di, reinterpret_cast<const std::int32_t*>(block.lights.data() + n));
       const Ints lit = hn::BitCast(di, hn::ShiftRight<16>(hn::BitCast(hn::RebindToUnsigned<I>(), light)));

@@ -89,7 +89,6 @@ void SpanWriter::end_row(std::int64_t row) {
   }
   blocks_.clear();
   end_span(first_of_row);
-  for (const Run& run : lit_) std::fill_n(lights_.data() + run.place, run.end - run.place, VoxelLight{});
   lit_.clear();
   next_lit_ = 0;
   list_row(row, first_of_row);

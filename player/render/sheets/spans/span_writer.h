@@ -71,7 +71,7 @@ class SpanWriter {
   // Planes: extinction, emissions, and the emission of white if there are three others. All but the last are
   // zero outside blocks_.
   std::vector<float> line_;
-  std::vector<VoxelLight> lights_;  // another plane; 0 outside lit_
+  std::vector<VoxelLight> lights_;  // another plane; set within lit_
   std::vector<Blocks> blocks_;
   std::vector<Run> lit_;
   std::size_t next_lit_ = 0;  // that may reach a block to keep
