@@ -354,9 +354,13 @@ Result<void> Renderer::select(const Selection& selection) {
 
 Result<Camera> Renderer::fit(const Camera& camera, const RenderOptions& options,
                              std::optional<std::span<const StructureIndex>> structures,
-                             const PictureRegion& region) {
+                             const PictureRegion& region, const RenderControl& control) {
+  const auto report = [&control](double) {
+    if (control.progress) control.progress(0);
+  };
   return impl_->guarded([&] {
-    const TaskControl task({}, {}, &impl_->atlas->work_budget());
+    TaskControl task(control.stop, report, &impl_->atlas->work_budget());
+    task.begin_stage(1, 3);  // classes, surfaces, extents
     return impl_->fit(camera, options, structures, region);
   });
 }

@@ -57,7 +57,8 @@ Result<std::vector<StructureIndex>> subtree_of(const StructureGraph& graph, int 
 }
 
 /// Fits the camera of a state to the selection, or to its part in a structure and its descendants.
-Result<Camera> fit(Renderer& renderer, const PageState& state, const PageFit& fit) {
+Result<Camera> fit(Renderer& renderer, const PageState& state, const PageFit& fit,
+                   const RenderControl& control) {
   std::optional<std::vector<StructureIndex>> part;
   if (fit.structure >= 0) {
     SPLATLAS_ASSIGN_OR_RETURN(part, subtree_of(renderer.atlas().graph(), fit.structure));
@@ -65,7 +66,7 @@ Result<Camera> fit(Renderer& renderer, const PageState& state, const PageFit& fi
   RenderOptions options = state.options;
   options.quality = Quality::kDraft;
   if (fit.size) options.size = *fit.size;
-  SPLATLAS_ASSIGN_OR_RETURN(Camera camera, renderer.fit(state.camera, options, part));
+  SPLATLAS_ASSIGN_OR_RETURN(Camera camera, renderer.fit(state.camera, options, part, {}, control));
   camera = zoomed(camera, fit.zoom);
   if (fit.center_lps_mm) camera.center_lps_mm = fit.center_lps_mm;
   return camera;
@@ -238,7 +239,8 @@ struct PageEngine::Call {
     SPLATLAS_ASSIGN_OR_RETURN(Renderer* const renderer, this->renderer());
     SPLATLAS_ASSIGN_OR_RETURN(const PageState state, page_state_of(request));
     if (is_other_selection()) SPLATLAS_RETURN_IF_ERROR(select());
-    SPLATLAS_ASSIGN_OR_RETURN(const Camera camera, fit(*renderer, state, state.fit.value_or(PageFit{})));
+    SPLATLAS_ASSIGN_OR_RETURN(const Camera camera,
+                              fit(*renderer, state, state.fit.value_or(PageFit{}), control));
     return json_of(camera);
   }
 
@@ -247,7 +249,7 @@ struct PageEngine::Call {
     SPLATLAS_ASSIGN_OR_RETURN(PageState state, page_state_of(request));
     if (is_other_selection()) SPLATLAS_RETURN_IF_ERROR(select());
     if (state.fit) {
-      SPLATLAS_ASSIGN_OR_RETURN(state.camera, fit(*renderer, state, *state.fit));
+      SPLATLAS_ASSIGN_OR_RETURN(state.camera, fit(*renderer, state, *state.fit, control));
     }
     Result<void> rendered = renderer->render(state.camera, state.options, engine.frame_, control);
     if (!rendered) {

@@ -140,10 +140,13 @@ TEST_P(Cancellation, ReadsNothingAfterAStop) {
   const std::uint64_t read = atlas->counters().read;
   std::stop_source stop;
   stop.request_stop();
-  const auto frame =
-      renderer.render(GetParam().camera, GetParam().options, {.stop = stop.get_token(), .progress = {}});
+  const RenderControl control{.stop = stop.get_token(), .progress = {}};
+  const auto frame = renderer.render(GetParam().camera, GetParam().options, control);
   ASSERT_FALSE(frame);
   EXPECT_EQ(frame.error().code, ErrorCode::kCancelled);
+  const auto camera = renderer.fit(GetParam().camera, GetParam().options, {}, {}, control);
+  ASSERT_FALSE(camera);
+  EXPECT_EQ(camera.error().code, ErrorCode::kCancelled);
   EXPECT_EQ(atlas->counters().read, read);
 }
 
