@@ -48,7 +48,7 @@ Result<void> read_contours_of(DcmItem& item, const std::filesystem::path& path, 
       return bad_file(path, "has a contour of {} without points (ContourData); get it again", structure.name);
     }
   }
-  if (region.has_open) notes.add("open-contours", structure.name);
+  if (region.has_open) notes.add(region.contours.empty() ? "only-points" : "open-contours", structure.name);
   return {};
 }
 

@@ -268,7 +268,7 @@ void write_contours(const std::vector<TestRegion>& regions, const std::filesyste
     put(contours, DCM_ROIDisplayColor, "10\\20\\30");
     for (const std::vector<Vec3>& points : regions[n].contours) {
       DcmItem& contour = item_of(contours, DCM_ContourSequence);
-      put(contour, DCM_ContourGeometricType, regions[n].type);
+      put(contour, DCM_ContourGeometricType, points.size() == 1 ? "POINT" : "CLOSED_PLANAR");
       std::vector<double> numbers;
       for (const Vec3& point : points) numbers.insert(numbers.end(), point.begin(), point.end());
       put(contour, DCM_ContourData, joined(numbers));

@@ -98,8 +98,7 @@ void write_segmentation(const TestSegmentation& segmentation, const std::filesys
 
 struct TestRegion {
   std::string name;
-  std::vector<std::vector<Vec3>> contours;
-  std::string type = "CLOSED_PLANAR";
+  std::vector<std::vector<Vec3>> contours;  ///< closed ones, or single points
 };
 /// A file of contours (RTSTRUCT) in #0a141e. The first region has number 3.
 void write_contours(const std::vector<TestRegion>& regions, const std::filesystem::path& path,

@@ -76,8 +76,8 @@ TEST_F(DicomContours, LieOnTheVolume) {
     slice.texts = {{{0x0020, 0x0052}, "1.7"}};
     write_slice(slice, file(fmt::format("ct/{}", k)));
   }
-  write_contours({{"Box", {box(-0.5, 9, 2.25, 2.75, 12)}}, {"Seed", {{{0, 2, 12}}}, "POINT"}}, file("rt"),
-                 "1.8");
+  write_contours({{"Box", {box(-0.5, 9, 2.25, 2.75, 12), {{0, 2, 12}}}}, {"Seed", {{{0, 2, 12}}}}},
+                 file("rt"), "1.8");
   SourceFiles files;
   files.labels = file("rt");
   files.volume = file("ct");
@@ -87,8 +87,9 @@ TEST_F(DicomContours, LieOnTheVolume) {
   EXPECT_EQ(model.structures.size(), 1u);
   std::string all;
   for (const Note& note : notes.all()) all += note.message() + ";";
-  EXPECT_THAT(all, AllOf(HasSubstr("enclose nothing: Seed;"), HasSubstr("cut off there: Box;"),
-                         HasSubstr("differ in FrameOfReferenceUID"), Not(HasSubstr("without voxels"))));
+  EXPECT_THAT(all, AllOf(HasSubstr("alone, which enclose nothing: Seed;"), HasSubstr("are left out: Box;"),
+                         HasSubstr("cut off there: Box;"), HasSubstr("differ in FrameOfReferenceUID"),
+                         Not(HasSubstr("without voxels"))));
 }
 
 }  // namespace
