@@ -96,7 +96,8 @@ void AxisSpans::require(const SpanSource& source, SelectedRuns runs, const Paral
   SpanBuilder spans = std::exchange(spans_, {});
   std::vector<float> factors;
   if (shade && view != nullptr) {
-    if (!shaded_for_ || !have_same_lighting(*shaded_for_, *view)) forget_light(spans.model());
+    if (!shaded_for_ || !have_same_lighting(*shaded_for_, *view) || !shaded_cuts_.empty())
+      forget_light(spans.model());
     factors = lighting.table();
     shaded_for_ = *view;
     shaded_cuts_ = {};
@@ -105,7 +106,9 @@ void AxisSpans::require(const SpanSource& source, SelectedRuns runs, const Paral
   spans_ = std::move(spans);
   runs_.emplace(std::move(runs));
   lists_shaded_ = shade;
-  partly_shaded_ = partly_shaded_ || shaded_for_.has_value();
+  const auto is_unlit = [](const SliceSpans& slice) { return !slice.is_lit && !slice.lit.empty(); };
+  partly_shaded_ =
+      factors.empty() ? partly_shaded_ || shaded_for_ : std::ranges::any_of(model().slices, is_unlit);
 }
 
 void AxisSpans::update_lighting(const ParallelView& view, const Lighting& lighting, bool shade,
