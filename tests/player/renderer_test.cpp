@@ -115,24 +115,6 @@ TEST(Renderer, GivesTheSameBitsWhateverWasSelectedBefore) {
   }
 }
 
-/// Spans that a cut hides are not lit, and stay when another structure changes.
-TEST(Renderer, LightsWhatACutHasHiddenAfterAnotherSelection) {
-  TestVolume volume;
-  volume.grid.size = {8, 30, 40};
-  volume.structures = {{"front", box_mask(volume.grid.size, {1, 2, 1}, {6, 8, 38})},
-                       {"back", box_mask(volume.grid.size, {1, 20, 1}, {6, 26, 38})}};
-  const AtlasContent content = make_content(volume);
-  const Camera camera{.azimuth_deg = 20};
-  RenderOptions cut{.size = {40, 60}};
-  ASSERT_TRUE(cut.cuts.add({{0, 0, 1}, 10}));
-  Renderer used = renderer_of(content, selection_of("*:volume", content.graph), 2);
-  (void)render_or_throw(used, camera, cut);
-  const Selection changed = selection_of("front:volume + back:volume(opacity=0.5)", content.graph);
-  ASSERT_TRUE(used.select(changed));
-  EXPECT_EQ(render_or_throw(used, camera, {.size = {40, 60}}).rgba,
-            render_or_throw(content, changed, camera, {.size = {40, 60}}).rgba);
-}
-
 TEST(Renderer, AnEmptySelectionIsTransparentBlackEverywhere) {
   const AtlasContent content = phantom_content();
   Renderer renderer = renderer_of(content, {}, 2);

@@ -101,7 +101,9 @@ class Lighter {
       p = {(1 - std::abs(n[1] / sum)) * (n[0] < 0 ? -1 : 1),
            (1 - std::abs(n[0] / sum)) * (n[1] < 0 ? -1 : 1)};
     }
-    const auto code = [](double x) { return static_cast<std::uint8_t>(static_cast<int>(std::floor(127 * x + 0.5))); };
+    const auto code = [](double x) {
+      return static_cast<std::uint8_t>(static_cast<int>(std::floor(127 * x + 0.5)));
+    };
     return static_cast<PackedNormal>(code(p[0]) | code(p[1]) << 8);
   }
   [[nodiscard]] std::size_t number(const Index3& v) const {
