@@ -35,7 +35,7 @@ struct PreparedSelection {
   }
   SelectedRuns runs(Axis axis) {
     for (const ClassDraw& draw : plan.classes) {
-      if (draw.boundary) cache.forget_lost_normals(draw.id);
+      if (draw.boundary) cache.forget_lost_normals(draw.id, draw.volume_of);
     }
     EXPECT_TRUE(cache.require(volume_classes(plan), axis, pool));
     light_voxels(plan, appearances, atlas->classes(), atlas->grid(), cache, pool);

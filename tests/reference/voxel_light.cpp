@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
-#include <set>
 #include <type_traits>
 
 #include "format/content/voxel_type.h"
@@ -109,22 +108,17 @@ class Lighter {
   [[nodiscard]] std::size_t number(const Index3& v) const {
     return static_cast<std::size_t>(grid_.offset(v[0], v[1], v[2]));
   }
-  [[nodiscard]] std::set<StructureIndex> structures_at(const Index3& v) const {
-    std::set<StructureIndex> structures;
-    for (const Membership& m : content_.classes.members(content_.class_volume[number(v)])) {
-      if (m.part != Part::kCrossed) structures.insert(m.structure);
-    }
-    return structures;
-  }
-  /// True for a voxel of the same structures with a grey value.
-  [[nodiscard]] bool counts(const Index3& v, const std::set<StructureIndex>& structures) const {
-    return grid_.contains(v[0], v[1], v[2]) && structures_at(v) == structures &&
-           is_finite(value_of(content_.values, number(v)));
+  /// True for a voxel inside the structure with a grey value.
+  [[nodiscard]] bool counts(const Index3& v, StructureIndex structure) const {
+    if (!grid_.contains(v[0], v[1], v[2]) || !is_finite(value_of(content_.values, number(v)))) return false;
+    const auto members = content_.classes.members(content_.class_volume[number(v)]);
+    return std::ranges::any_of(
+        members, [&](const Membership& m) { return m.structure == structure && m.part != Part::kCrossed; });
   }
 
   [[nodiscard]] Gradient gradient_at(const Index3& voxel) const {
     Gradient gradient;
-    const std::set<StructureIndex> structures = structures_at(voxel);
+    const StructureIndex structure = draw_of_[content_.class_volume[number(voxel)]]->volume_of;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       double pairs = 0, sum = 0, squares = 0;
       for (std::int64_t n = 0; n < 27; ++n) {
@@ -136,7 +130,7 @@ class Lighter {
         for (std::size_t a = 0; a < 3; ++a) first[a] += step[a];
         Index3 second = first;
         ++second[axis];
-        if (!counts(first, structures) || !counts(second, structures)) continue;
+        if (!counts(first, structure) || !counts(second, structure)) continue;
         const double difference =
             value_of(content_.values, number(second)) - value_of(content_.values, number(first));
         pairs += weight;

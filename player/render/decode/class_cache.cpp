@@ -229,11 +229,12 @@ Result<void> ClassCache::decode(Missing& missing) const {
   return {};
 }
 
-void ClassCache::forget_lost_normals(ClassId c) {
+void ClassCache::forget_lost_normals(ClassId c, StructureIndex structure) {
   const auto known = classes_.find(c);
   if (known == classes_.end()) return;
-  const LightState::Of of = known->second.light.of;
-  if (of == LightState::Of::kNothing || of == LightState::Of::kInterior) known->second.has_normals = false;
+  const LightState& light = known->second.light;
+  if (light != LightState{} && light != LightState{LightState::Of::kBorder, structure})
+    known->second.has_normals = false;
 }
 
 Result<void> ClassCache::require_surfaces(std::span<const StructureIndex> structures, ThreadPool& pool,

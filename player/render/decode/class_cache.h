@@ -79,6 +79,7 @@ enum class VoxelParts : std::uint8_t { kNone, kRuns, kValues, kNormals };
 /// What the light of the voxels of a class is.
 struct LightState {
   enum class Of : std::uint8_t { kLabel, kNothing, kBorder, kInterior } of = Of::kLabel;
+  StructureIndex structure = kNoStructure;  ///< of borders and interiors: that they are drawn as
   /// Of interiors; their address tells them apart within a generation of VolumeAppearances.
   const TransferTable* transfer = nullptr;
   std::uint64_t generation = 0;
@@ -156,8 +157,9 @@ class ClassCache {
   [[nodiscard]] VoxelLight* lights() { return reinterpret_cast<VoxelLight*>(lights_.data()); }
   /// State of the light of a required class.
   [[nodiscard]] LightState& light_state(ClassId c) { return classes_.at(c).light; }
-  /// Before a class is drawn as border: its normals are missing if other light has taken their place.
-  void forget_lost_normals(ClassId c);
+  /// Before a class is drawn as border of a structure: its normals are missing if other light has taken their
+  /// place.
+  void forget_lost_normals(ClassId c, StructureIndex structure);
 
  private:
   /// Decoded parts of a class. ScanlineRuns keeps the runs of all classes.

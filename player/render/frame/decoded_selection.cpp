@@ -73,7 +73,7 @@ Result<std::optional<DrawPlan>> DecodedSelection::require(const DrawPlan& plan, 
   const std::vector<ClassId> of_volume =
       parts == VoxelParts::kNone ? std::vector<ClassId>() : volume_classes(plan);
   for (const ClassDraw& draw : plan.classes) {
-    if (draw.boundary && parts == VoxelParts::kNormals) cache_.forget_lost_normals(draw.id);
+    if (draw.boundary && parts == VoxelParts::kNormals) cache_.forget_lost_normals(draw.id, draw.volume_of);
   }
   const Result<void> classes = cache_.require(of_volume, axis, pool, parts);
   if (!classes && cache_.failed_classes().empty()) return tl::unexpected(classes.error());

@@ -54,7 +54,7 @@ HWY_INLINE void SumPairs(const GreyRows& rows, std::size_t count, const std::arr
   for (std::size_t n = 0; n < count + 2; n += hn::Lanes(d)) {
     const auto value = [&](std::size_t k, int ahead) { return hn::LoadU(d, rows.values[k] + n - 1 + ahead); };
     const auto counts = [&](std::size_t k, int ahead) {
-      return hn::Eq(hn::LoadU(I(), rows.groups[k] + n - 1 + ahead), hn::Set(I(), rows.group));
+      return hn::Eq(hn::LoadU(I(), rows.structures[k] + n - 1 + ahead), hn::Set(I(), rows.structure));
     };
     const auto add = [&](std::size_t low, std::size_t high, int ahead, Pairs& pairs) {
       pairs.Add(hn::RebindMask(d, hn::And(counts(low, 0), counts(high, ahead))), value(low, 0),

@@ -1,7 +1,7 @@
 #include "player/render/light/voxel_light.h"
 
 #include <limits>
-#include <map>
+#include <set>
 #include <span>
 #include <utility>
 #include <vector>
@@ -14,10 +14,16 @@ namespace {
 
 /// How a class is lit.
 struct ClassLight {
-  std::int32_t group = 0;  // of its structures; 0: none of the group is lit anew
+  std::int32_t structure = 0;  // whose voxels count for the gradient, from 1 on
   bool boundary = false;
   bool anew = false;
   const TransferTable* transfer = nullptr;
+};
+
+/// Structures without common classes.
+struct LightPass {
+  std::vector<std::int32_t> structures;  // [class], from 1 on; 0: none
+  IndexBox box;
 };
 
 /// What all slices share.
@@ -26,7 +32,6 @@ struct LightScene {
   const Grid& grid;
   GradientScale scale;
   std::vector<ClassLight> classes;
-  IndexBox box;  // of the groups
 };
 
 GradientScale scale_of(const Grid& grid) {
@@ -42,36 +47,45 @@ GradientScale scale_of(const Grid& grid) {
   return scale;
 }
 
-/// Groups the drawn classes by the structures that hold them. Returns the box of groups that are lit anew.
-IndexBox group_classes(const DrawPlan& plan, const ClassTable& classes, std::vector<ClassLight>& lights) {
-  std::map<std::vector<StructureIndex>, std::vector<ClassId>> groups;
+bool holds(const ClassTable& classes, ClassId c, StructureIndex structure) {
+  return std::ranges::any_of(classes.members(c),
+                             [&](const Membership& m) { return m.structure == structure && m.holds(); });
+}
+
+/// Divides the structures of classes that are lit anew into passes. Overlaps alone need more than one.
+std::vector<LightPass> passes_of(const DrawPlan& plan, const ClassTable& classes,
+                                 const std::vector<ClassLight>& lights) {
+  std::set<StructureIndex> structures;
   for (const ClassDraw& draw : plan.classes) {
-    std::vector<StructureIndex> structures;
-    for (const Membership& m : classes.members(draw.id)) {
-      if (m.holds()) structures.push_back(m.structure);
-    }
-    if (draws_volume(draw.role)) groups[structures].push_back(draw.id);
+    if (lights[draw.id].anew) structures.insert(draw.volume_of);
   }
-  IndexBox box;
-  std::int32_t number = 0;
-  for (const auto& [structures, of_group] : groups) {
-    if (std::ranges::none_of(of_group, [&](ClassId c) { return lights[c].anew; })) continue;
-    ++number;
-    for (const ClassId c : of_group) {
-      lights[c].group = number;
-      box.include(classes.box(c));
+  std::vector<LightPass> passes;
+  for (const StructureIndex structure : structures) {
+    std::vector<ClassId> held;
+    for (const ClassDraw& draw : plan.classes) {
+      if (draws_volume(draw.role) && holds(classes, draw.id, structure)) held.push_back(draw.id);
+    }
+    const auto has_room = [&](const LightPass& pass) {
+      return std::ranges::all_of(held, [&](ClassId c) { return pass.structures[c] == 0; });
+    };
+    auto pass = std::ranges::find_if(passes, has_room);
+    if (pass == passes.end()) pass = passes.insert(pass, {std::vector<std::int32_t>(classes.size()), {}});
+    for (const ClassId c : held) {
+      pass->structures[c] = static_cast<std::int32_t>(structure) + 1;
+      pass->box.include(classes.box(c));
     }
   }
-  return box;
+  return passes;
 }
 
 /// Lights slices one after the other.
 class SliceLighter {
  public:
-  explicit SliceLighter(const LightScene& scene)
+  SliceLighter(const LightScene& scene, const LightPass& pass)
       : scene_(scene),
-        width_(scene.box.last[0] - scene.box.first[0] + 3),
-        rows_(scene.box.last[1] - scene.box.first[1] + 3) {
+        pass_(pass),
+        width_(pass.box.last[0] - pass.box.first[0] + 3),
+        rows_(pass.box.last[1] - pass.box.first[1] + 3) {
     const std::size_t floats = static_cast<std::size_t>(width_) + kLightPadding;
     for (std::vector<float>& row : sums_) row.resize(floats);
     for (std::vector<float>& row : floats_) row.resize(floats);
@@ -79,7 +93,7 @@ class SliceLighter {
     lit_.resize(floats);
     for (Plane& plane : planes_) {
       plane.values.resize(static_cast<std::size_t>(width_ * rows_) + 2 * kLightPadding);
-      plane.groups.resize(plane.values.size());
+      plane.structures.resize(plane.values.size());
     }
   }
 
@@ -88,7 +102,10 @@ class SliceLighter {
     const std::span<const ClassRun> runs = scene_.cache.runs(Axis::kZ).slice(slice);
     for (std::size_t n = 0; n < runs.size();) {
       const std::size_t end = segment_end(runs, n);
-      if (of(runs[n]).group != 0) light(slice, runs.subspan(n, end - n));
+      const std::span<const ClassRun> segment = runs.subspan(n, end - n);
+      if (const auto first = std::ranges::find_if(segment, [&](const ClassRun& run) { return is_new(run); });
+          first != segment.end())
+        light(slice, segment, *of(*first).transfer);
       n = end;
     }
   }
@@ -98,53 +115,58 @@ class SliceLighter {
   struct Plane {
     std::int64_t slice = std::numeric_limits<std::int64_t>::min();
     std::vector<float> values;
-    std::vector<std::int32_t> groups;  // 0 for voxels that do not count
+    std::vector<std::int32_t> structures;  // from 1 on; 0 for voxels that do not count
   };
 
   [[nodiscard]] const ClassLight& of(const ClassRun& run) const { return scene_.classes[run.id]; }
+  [[nodiscard]] std::int32_t structure(const ClassRun& run) const { return pass_.structures[run.id]; }
+  /// True for voxels to light in this pass.
+  [[nodiscard]] bool is_new(const ClassRun& run) const {
+    return of(run).anew && of(run).structure == structure(run);
+  }
   [[nodiscard]] Plane& plane(std::int64_t slice) { return planes_[static_cast<std::size_t>(slice + 3) % 3]; }
   [[nodiscard]] std::int64_t place(const ClassRun& run) const {
-    return (run.row - scene_.box.first[1] + 1) * width_ + (run.start - scene_.box.first[0] + 1);
+    return (run.row - pass_.box.first[1] + 1) * width_ + (run.start - pass_.box.first[0] + 1);
   }
 
   void require(std::int64_t slice) {
     Plane& plane = this->plane(slice);
     if (plane.slice == slice) return;
     for (const ClassRun& run : scene_.cache.runs(Axis::kZ).slice(plane.slice)) {
-      if (of(run).group != 0) std::fill_n(plane.groups.data() + place(run), run.length, 0);
+      if (structure(run) != 0) std::fill_n(plane.structures.data() + place(run), run.length, 0);
     }
     plane.slice = slice;
     visit_voxel_type(scene_.cache.value_type(), [&](auto tag) {
       using T = decltype(tag);
       for (const ClassRun& run : scene_.cache.runs(Axis::kZ).slice(slice)) {
-        const std::int32_t group = of(run).group;
-        if (group == 0) continue;
+        const std::int32_t structure = this->structure(run);
+        if (structure == 0) continue;
         const std::int64_t first = scene_.grid.offset(run.start, run.row, slice);
         const auto* from = reinterpret_cast<const T*>(scene_.cache.values()) + first;
         float* const values = plane.values.data() + place(run);
-        std::int32_t* const groups = plane.groups.data() + place(run);
+        std::int32_t* const structures = plane.structures.data() + place(run);
         for (std::size_t n = 0; n < run.length; ++n) {
           const auto grey = static_cast<float>(from[n]);
           const bool finite = std::isfinite(grey);
           values[n] = finite ? grey : 0;
-          groups[n] = finite ? group : 0;
+          structures[n] = finite ? structure : 0;
         }
       }
     });
   }
 
-  /// End of the runs from the n-th on that are of one group and row, with small gaps.
+  /// End of the runs from the n-th on that are of one structure and row, with small gaps.
   [[nodiscard]] std::size_t segment_end(std::span<const ClassRun> runs, std::size_t n) const {
     constexpr std::uint32_t kSmallGap = 16;
     std::size_t end = n + 1;
-    while (end < runs.size() && of(runs[end]).group == of(runs[n]).group && runs[end].row == runs[n].row &&
+    while (end < runs.size() && structure(runs[end]) == structure(runs[n]) && runs[end].row == runs[n].row &&
            runs[end].start <= runs[end - 1].start + runs[end - 1].length + kSmallGap)
       ++end;
     return end;
   }
 
   /// Lights a segment.
-  void light(std::int64_t slice, std::span<const ClassRun> runs) {
+  void light(std::int64_t slice, std::span<const ClassRun> runs, const TransferTable& transfer) {
     const ClassRun& first = runs.front();
     const std::size_t count = runs.back().start + runs.back().length - first.start;
     const GradientRow gradients = measure(slice, first, count);
@@ -157,29 +179,29 @@ class SliceLighter {
         normals_[n] = lights[n].normal;
         lit_[n] = boundary ? VoxelLight::kAllLit : 0;
       }
-      inside = inside || (of(run).anew && !boundary);
+      inside = inside || (is_new(run) && !boundary);
     }
     float* const below = floats_[5].data();
     float* const above = floats_[6].data();
     if (inside) {
       const float* greys = plane(slice).values.data() + place(first);
-      find_extinctions(*of(first).transfer, greys, gradients.reach, count, below, above);
+      find_extinctions(transfer, greys, gradients.reach, count, below, above);
     }
     kernels_.light(below, above, count, gradients, {normals_.data(), lit_.data()});
     for (const ClassRun& run : runs) {
-      if (!of(run).anew) continue;
+      if (!is_new(run)) continue;
       const std::size_t begin = run.start - first.start;
       for (std::size_t n = begin; n < begin + run.length; ++n) lights[n] = {normals_[n], lit_[n]};
     }
   }
 
   GradientRow measure(std::int64_t slice, const ClassRun& first, std::size_t count) {
-    GreyRows rows{{}, {}, of(first).group};
+    GreyRows rows{{}, {}, structure(first)};
     for (std::size_t k = 0; k < 9; ++k) {
       const Plane& plane = this->plane(slice + static_cast<std::int64_t>(k / 3) - 1);
       const std::int64_t at = place(first) + (static_cast<std::int64_t>(k % 3) - 1) * width_;
       rows.values[k] = plane.values.data() + at;
-      rows.groups[k] = plane.groups.data() + at;
+      rows.structures[k] = plane.structures.data() + at;
     }
     std::array<PairSums, 3> sums{};
     for (std::size_t a = 0; a < 3; ++a)
@@ -202,6 +224,7 @@ class SliceLighter {
   }
 
   const LightScene& scene_;
+  const LightPass& pass_;
   LightKernels kernels_ = light_kernels();
   std::int64_t width_, rows_;
   std::array<Plane, 3> planes_;  // before, at and after a slice
@@ -218,35 +241,36 @@ void light_voxels(const DrawPlan& plan, const VolumeAppearances& appearances, co
                   const Grid& grid, ClassCache& cache, ThreadPool& pool) {
   if (cache.values() == nullptr) return;
   // Find the classes to light anew
-  LightScene scene{cache, grid, scale_of(grid), std::vector<ClassLight>(classes.size()), {}};
+  LightScene scene{cache, grid, scale_of(grid), std::vector<ClassLight>(classes.size())};
   std::vector<std::pair<ClassId, LightState>> anew;
   for (std::size_t n = 0; n < plan.classes.size(); ++n) {
     const ClassDraw& draw = plan.classes[n];
     if (!draws_volume(draw.role)) continue;
     const TransferTable* const transfer = appearances.appearances()[n].transfer;
-    const LightState drawn = draw.boundary
-                                 ? LightState{LightState::Of::kBorder}
-                                 : LightState{LightState::Of::kInterior, transfer, appearances.generation()};
+    LightState drawn{LightState::Of::kBorder, draw.volume_of};
+    if (!draw.boundary)
+      drawn = {LightState::Of::kInterior, draw.volume_of, transfer, appearances.generation()};
     const bool is_new = cache.light_state(draw.id) != drawn;
     if (is_new) anew.emplace_back(draw.id, drawn);
-    scene.classes[draw.id] = {0, draw.boundary, is_new, transfer};
+    scene.classes[draw.id] = {static_cast<std::int32_t>(draw.volume_of) + 1, draw.boundary, is_new, transfer};
   }
   if (anew.empty()) return;
-  scene.box = group_classes(plan, classes, scene.classes);
   for (const auto& [c, drawn] : anew)
     cache.light_state(c) = {LightState::Of::kNothing};  // in case the task is cancelled
 
   // Light slices in parallel
-  const std::int64_t slices = scene.box.last[2] - scene.box.first[2] + 1;
-  const std::int64_t at_once = std::max<std::int64_t>(8, slices / (std::int64_t{4} * pool.threads()) + 1);
-  pool.for_each(static_cast<std::size_t>((slices + at_once - 1) / at_once), [&](std::size_t part) {
-    SliceLighter lighter(scene);
-    const std::int64_t first = scene.box.first[2] + static_cast<std::int64_t>(part) * at_once;
-    for (std::int64_t slice = first; slice < std::min(first + at_once, scene.box.last[2] + 1); ++slice) {
-      check_task();
-      lighter.light(slice);
-    }
-  });
+  for (const LightPass& pass : passes_of(plan, classes, scene.classes)) {
+    const std::int64_t slices = pass.box.last[2] - pass.box.first[2] + 1;
+    const std::int64_t at_once = std::max<std::int64_t>(8, slices / (std::int64_t{4} * pool.threads()) + 1);
+    pool.for_each(static_cast<std::size_t>((slices + at_once - 1) / at_once), [&](std::size_t part) {
+      SliceLighter lighter(scene, pass);
+      const std::int64_t first = pass.box.first[2] + static_cast<std::int64_t>(part) * at_once;
+      for (std::int64_t slice = first; slice < std::min(first + at_once, pass.box.last[2] + 1); ++slice) {
+        check_task();
+        lighter.light(slice);
+      }
+    });
+  }
   for (const auto& [c, drawn] : anew) cache.light_state(c) = drawn;
 }
 

@@ -26,8 +26,8 @@ inline constexpr std::size_t kLightPadding = 16;
 /// Nine rows of voxels, (slice - 1) * 3 + (row - 1), from one position on. One more is readable before.
 struct GreyRows {
   std::array<const float*, 9> values;
-  std::array<const std::int32_t*, 9> groups;
-  std::int32_t group;  ///< of the voxels that count
+  std::array<const std::int32_t*, 9> structures;
+  std::int32_t structure;  ///< of the voxels that count
 };
 
 /// Weighted sums over pairs of neighbours along an axis, by position.
@@ -56,8 +56,8 @@ struct LightRow {
 };
 
 struct LightKernels {
-  /// The weighted means of the differences of pairs of voxels of the group in the 3x3x3 voxels around each
-  /// one. `sums`: three axes, of `count` + 2 positions; overwritten.
+  /// The weighted means of the differences of pairs of voxels of the structure in the 3x3x3 voxels around
+  /// each one. `sums`: three axes, of `count` + 2 positions; overwritten.
   void (*gradient)(const GreyRows& rows, std::size_t count, const GradientScale& scale,
                    const std::array<PairSums, 3>& sums, const GradientRow& out);
   /// Extinctions below and above grey values, by their reach. Linear between whole numbers.
@@ -76,10 +76,10 @@ struct LightKernels {
 [[nodiscard]] LightKernels light_kernels();
 
 /// Lights the voxels of a plan's volume classes in `cache`, unless they are lit as the plan draws them
-/// (docs/model.md, "Hybrid shading"): borders by their normals and the gradient of the grey values within
-/// their structures, others by this gradient and their transfer function. The light of a class depends on no
-/// other. `cache` must hold the classes with normals; nothing happens without values. Cost: about 25 ns per
-/// voxel that is lit anew. Slices in parallel.
+/// (docs/model.md, "Hybrid shading"): borders by their normals and the gradient of the grey values within the
+/// structure that they are drawn as, others by this gradient and their transfer function. The light of a
+/// class depends on no other structure. `cache` must hold the classes with normals; nothing happens without
+/// values. Cost: about 15 ns per voxel that is lit anew. Slices in parallel.
 void light_voxels(const DrawPlan& plan, const VolumeAppearances& appearances, const ClassTable& classes,
                   const Grid& grid, ClassCache& cache, ThreadPool& pool);
 
