@@ -5,13 +5,11 @@
 #include "tests/cli/hostile_atlas.h"
 #include "tests/cli/phantom_atlas.h"
 #include "tests/cli/read_pixels.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/file_bytes.h"
 
 namespace splatlas {
 namespace {
-
-using testing::HasSubstr;
-using testing::Not;
 
 struct Annotate : testing::Test {
   TemporaryFolder folder;

@@ -7,14 +7,13 @@
 
 #include "format/text/ascii_text.h"
 #include "tests/cli/phantom_atlas.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/file_bytes.h"
 
 namespace splatlas {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
-using testing::StartsWith;
 
 /// A command line that fails.
 struct Case {

@@ -9,15 +9,12 @@
 #include "format/text/ascii_text.h"
 #include "tests/cli/hostile_atlas.h"
 #include "tests/cli/phantom_atlas.h"
+#include "tests/support/fails_with.h"
 
 namespace splatlas {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::Not;
-using testing::StartsWith;
 
 /// File names with control characters, with characters that reorder or hide text, and without UTF-8.
 const std::vector<std::string> kHostileFiles{"\x1b[2Ja", "a\nnote: forged", "a\xe2\x80\xaegpj", "a\xff"};

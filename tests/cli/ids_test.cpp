@@ -10,12 +10,11 @@
 
 #include "tests/cli/phantom_atlas.h"
 #include "tests/cli/read_pixels.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/file_bytes.h"
 
 namespace splatlas {
 namespace {
-
-using testing::IsEmpty;
 
 /// Id images of the phantom, in a folder.
 class PlayerIds : public testing::Test {

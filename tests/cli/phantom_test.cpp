@@ -1,6 +1,5 @@
 // The paper's tables 1 and 2, from NRRD files to counts, through the command line.
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 

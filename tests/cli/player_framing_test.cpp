@@ -9,11 +9,11 @@
 #include "tests/cli/phantom_atlas.h"
 #include "tests/cli/read_pixels.h"
 #include "tests/phantom/two_spheres.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/file_bytes.h"
 
 namespace splatlas {
 namespace {
-using testing::IsEmpty;
 
 constexpr int kSide = 100;  // of the pictures, in pixels
 

@@ -10,16 +10,13 @@
 
 #include "tests/cli/phantom_atlas.h"
 #include "tests/cli/read_pixels.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/file_bytes.h"
 
 namespace splatlas {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::StartsWith;
 
 const std::string kNothingSelected = "warning: the picture shows nothing: the selection is empty\n";
 

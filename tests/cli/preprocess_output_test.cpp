@@ -10,14 +10,12 @@
 
 #include "format/atlas_writer.h"
 #include "tests/cli/phantom_atlas.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/test_content.h"
 
 namespace splatlas {
 namespace {
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
 
 /// phantom.atlas in its own folder.
 class PreprocessOutput : public testing::Test {

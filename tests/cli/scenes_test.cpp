@@ -9,15 +9,12 @@
 #include "tests/cli/hostile_atlas.h"
 #include "tests/cli/phantom_atlas.h"
 #include "tests/cli/read_pixels.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
-
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::Not;
 
 struct Scenes : testing::Test {
   TemporaryFolder folder;

@@ -4,13 +4,12 @@
 #include "format/atlas_writer.h"
 #include "format/result_macros.h"
 #include "tests/format/atlas_surgery.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/phantom_content.h"
 #include "tests/support/render.h"
 
 namespace splatlas {
 namespace {
-
-using testing::HasSubstr;
 
 /// File offset of a chunk of a section.
 std::size_t offset_of(const Bytes& file, SectionKind kind, std::size_t chunk = 0) {

@@ -9,12 +9,11 @@
 #include "tests/preprocess/build_atlas_fixture.h"
 #include "tests/preprocess/random_images.h"
 #include "tests/support/closed_mesh.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/repetitions.h"
 
 namespace splatlas {
 namespace {
-
-using testing::HasSubstr;
 
 /// Single-precision values `value(i, j, k)`.
 template <typename Value>

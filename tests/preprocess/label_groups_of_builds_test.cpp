@@ -13,11 +13,6 @@
 namespace splatlas {
 namespace {
 
-using testing::AllOf;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-
 class LabelGroups : public BuildAtlas {
  protected:
   /// The path, label and voxels of each structure with voxels.

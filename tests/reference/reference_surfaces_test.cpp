@@ -1,7 +1,5 @@
 #include "tests/reference/reference_surfaces.h"
 
-#include <cmath>
-
 #include <gtest/gtest.h>
 
 #include "player/render/view/shear.h"

@@ -1,4 +1,4 @@
-// Matcher of failed results.
+// Matcher of failed results, and names of those that tests use most.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -6,6 +6,13 @@
 #include "format/result.h"
 
 namespace splatlas {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using testing::StartsWith;
 
 /// A result that is an error of this code. `message` matches its message.
 MATCHER_P2(FailsWith, code, message, "") {

@@ -13,8 +13,6 @@
 namespace splatlas {
 namespace {
 
-using ::testing::HasSubstr;
-
 constexpr Index3 kSize{10, 20, 30};
 
 /// A tetrahedron with a corner at each allowed extreme.

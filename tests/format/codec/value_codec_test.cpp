@@ -3,7 +3,6 @@
 #include <cstring>
 #include <numeric>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 

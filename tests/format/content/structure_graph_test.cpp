@@ -14,12 +14,6 @@
 namespace splatlas {
 namespace {
 
-using testing::AllOf;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::Not;
-
 std::vector<StructureIndex> list(std::span<const StructureIndex> indices) {
   return {indices.begin(), indices.end()};
 }

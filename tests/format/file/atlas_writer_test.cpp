@@ -17,9 +17,6 @@
 namespace splatlas {
 namespace {
 
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-
 /// An atlas with several chunks in most sections.
 const AtlasContent& large_content() {
   const auto wanted = [](const AtlasContent& content) {

@@ -11,7 +11,6 @@
 namespace splatlas {
 namespace {
 
-using ::testing::HasSubstr;
 using Bytes = std::vector<std::byte>;
 using Positions = std::vector<std::uint64_t>;
 

@@ -14,8 +14,6 @@
 namespace splatlas {
 namespace {
 
-using ::testing::HasSubstr;
-
 /// Reads through a mapping, or with pread().
 struct InputFileTest : ::testing::TestWithParam<bool> {
   TemporaryFolder folder;

@@ -15,8 +15,6 @@ namespace splatlas {
 namespace {
 
 namespace fs = std::filesystem;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 struct OutputPathTest : ::testing::Test {
   TemporaryFolder folder;

@@ -10,8 +10,6 @@
 namespace splatlas {
 namespace {
 
-using testing::HasSubstr;
-
 StructureGraph two_structures() {
   return *StructureGraph::build({{.id = "a", .name = "A"}, {.id = "b", .name = "B"}});
 }

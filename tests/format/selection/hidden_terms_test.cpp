@@ -9,10 +9,6 @@
 namespace splatlas {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-
 /// Cerebrum > (Hippocampus, Amygdala), and a lesion within the hippocampus: its voxels are in both.
 struct Cerebrum {
   StructureGraph graph = *StructureGraph::build({{.id = "Cerebrum", .name = "Left cerebrum"},

@@ -10,9 +10,6 @@
 namespace splatlas {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
-
 SelectionTerm only_term(std::string_view text) {
   const auto terms = parse_selection(text);
   if (!terms || terms->size() != 1) {

@@ -8,11 +8,10 @@
 
 #include "format/tasks/task_control.h"
 #include "tests/format/random_graph.h"
+#include "tests/support/fails_with.h"
 
 namespace splatlas {
 namespace {
-
-using testing::HasSubstr;
 
 constexpr Rgb kRed{255, 0, 0};
 constexpr Rgb kGreen{0, 255, 0};

@@ -11,10 +11,6 @@
 namespace splatlas {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::Not;
-
 StructureGraph brain() {
   return *StructureGraph::build({
       {.id = "brain", .name = "Brain"},                               // 0

@@ -14,8 +14,6 @@
 namespace splatlas {
 namespace {
 
-using testing::HasSubstr;
-
 Picture grey_picture(PictureSize size, float alpha) {
   Picture picture{size, std::vector<float>(4 * static_cast<std::size_t>(size.width) *
                                            static_cast<std::size_t>(size.height))};

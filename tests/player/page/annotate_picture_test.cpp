@@ -12,8 +12,6 @@
 namespace splatlas {
 namespace {
 
-using testing::HasSubstr;
-
 constexpr AnnotationItems kAllItems{true, true, true, true, true, true};
 
 AnnotationLayer annotated(const AnnotatedScene& scene, const AnnotationOptions& options) {

@@ -9,11 +9,10 @@
 #include "player/page/page_layout.h"
 #include "player/page/place_labels.h"
 #include "tests/player/page/label_scene.h"
+#include "tests/support/fails_with.h"
 
 namespace splatlas {
 namespace {
-
-using testing::ElementsAre;
 
 TEST(VisibleStructures, HaveDeepAnchors) {
   DiscScene discs({100, 80});

@@ -25,9 +25,6 @@
 namespace splatlas {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-
 /// Tolerance for numbers that ITK wrote as text or 32-bit floats.
 void expect_near(const Grid& a, const Grid& b, double tolerance) {
   EXPECT_EQ(a.size, b.size);

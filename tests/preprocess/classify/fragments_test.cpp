@@ -6,13 +6,11 @@
 #include <gtest/gtest.h>
 
 #include "tests/preprocess/random_images.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/repetitions.h"
 
 namespace splatlas {
 namespace {
-
-using testing::ElementsAre;
-using testing::IsEmpty;
 
 constexpr std::uint64_t kAll = 1'000'000;
 

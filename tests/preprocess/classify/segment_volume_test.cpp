@@ -6,10 +6,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/fails_with.h"
+
 namespace splatlas {
 namespace {
-
-using testing::HasSubstr;
 
 /// The number of voxels of a rule; -1 if it is refused.
 std::int64_t count(const VoxelBuffer& values, const Grid& grid, const std::string& rule) {

@@ -2,18 +2,15 @@
 
 #include <cmath>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/phantom/two_spheres.h"
 #include "tests/preprocess/build_atlas_fixture.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/file_bytes.h"
 
 namespace splatlas {
 namespace {
-
-using testing::HasSubstr;
-using testing::Not;
 
 class ExportSurfaces : public BuildAtlas {
  protected:

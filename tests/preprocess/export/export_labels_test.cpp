@@ -21,8 +21,6 @@
 namespace splatlas {
 namespace {
 
-using testing::ElementsAre;
-
 /// One structure with this label in the first voxel of a row of three.
 AtlasContent labelled_voxel(VoxelType type, std::int64_t label) {
   AtlasContent content;

@@ -15,8 +15,6 @@
 namespace splatlas {
 namespace {
 
-using testing::HasSubstr;
-
 /// Two groups of one name, a structure with two parents, names that need care, codes.
 StructureGraph awkward_graph() {
   std::vector<Structure> structures{

@@ -7,11 +7,11 @@
 #include "format/text/ascii_text.h"
 #include "preprocess/export/export_labels.h"
 #include "preprocess/import/tables/text_file.h"
+#include "tests/support/fails_with.h"
 
 namespace splatlas {
 namespace {
 
-using testing::ElementsAre;
 using Names = std::vector<std::string>;
 
 Names file_names(const Names& names) {

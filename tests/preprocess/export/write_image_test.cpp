@@ -20,11 +20,6 @@
 namespace splatlas {
 namespace {
 
-using testing::AllOf;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-
 const std::array<std::string, 4> kEndings{".nii", ".nii.gz", ".nrrd", ".mha"};
 
 bool is_nifti(const std::string& ending) {

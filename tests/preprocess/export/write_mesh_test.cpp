@@ -16,10 +16,6 @@
 namespace splatlas {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::Not;
-
 /// Two triangles of half a voxel, in a grid whose origin is far away.
 Result<void> write_far_away(double origin_mm, double spacing_mm, const std::filesystem::path& path) {
   SurfaceMesh mesh;

@@ -13,8 +13,6 @@
 namespace splatlas {
 namespace {
 
-using testing::HasSubstr;
-
 struct Number {
   std::int64_t value = 0;
   friend void transfer(auto& archive, Number& number) { archive(number.value); }

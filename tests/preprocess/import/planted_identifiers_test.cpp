@@ -13,14 +13,13 @@
 #include "tests/preprocess/import/images/dicom/dicom_files.h"
 #include "tests/preprocess/import/planted_files.h"
 #include "tests/preprocess/import/side_volumes.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/repetitions.h"
 #include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
-
-using testing::HasSubstr;
 
 /// Notes and error in every form in which people see them.
 std::string reports(const Notes& notes, const std::string& error) {

@@ -6,11 +6,10 @@
 #include "preprocess/sources/import_sources.h"
 #include "tests/preprocess/import/sides_fixture.h"
 #include "tests/preprocess/raw_image_files.h"
+#include "tests/support/fails_with.h"
 
 namespace splatlas {
 namespace {
-
-using testing::IsEmpty;
 
 TEST_F(Sides, OfNifti) {
   expect_sides_of_all_orders("sform.nii", nifti_by_sform);

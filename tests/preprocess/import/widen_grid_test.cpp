@@ -11,15 +11,12 @@
 #include "tests/preprocess/import/side_volumes.h"
 #include "tests/preprocess/messages_of_notes.h"
 #include "tests/support/axis_orders.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
-
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
 
 /// A cuboid whose corners are mapped by `place`, as an OBJ file.
 template <typename Place>

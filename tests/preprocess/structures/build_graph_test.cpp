@@ -9,15 +9,13 @@
 #include <gtest/gtest.h>
 
 #include "tests/preprocess/messages_of_notes.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
 
-using testing::AllOf;
-using testing::ElementsAre;
-using testing::HasSubstr;
 using testing::UnorderedElementsAre;
 
 /// Six structures with names and codes in the style of AAL.

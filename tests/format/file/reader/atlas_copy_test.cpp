@@ -8,8 +8,6 @@
 namespace splatlas {
 namespace {
 
-using testing::HasSubstr;
-
 Result<Bytes> copy_of(const Bytes& file, const std::vector<Scene>& scenes) {
   const auto atlas = Atlas::open_bytes(file, "F");
   if (!atlas) return tl::unexpected(atlas.error());

@@ -21,8 +21,6 @@
 namespace splatlas {
 namespace {
 
-using ::testing::HasSubstr;
-
 Bytes encode(const AtlasContent& content, bool compact = false) {
   return encode_atlas(content, {.level = 1, .compact = compact}).value();
 }

@@ -4,7 +4,6 @@
 #include <limits>
 
 #include <gtest/gtest.h>
-#include <rapidcheck/gtest.h>
 
 #include "tests/reference/reference_radiance.h"
 #include "tests/support/test_content.h"

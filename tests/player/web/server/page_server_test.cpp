@@ -34,7 +34,6 @@ namespace splatlas {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using testing::HasSubstr;
 
 /// A connection. Reads end after twenty seconds without a byte.
 class LoopbackClient {

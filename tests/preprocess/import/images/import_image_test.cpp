@@ -9,11 +9,10 @@
 #include <sys/stat.h>
 
 #include "tests/preprocess/import/images/import_image_fixture.h"
+#include "tests/support/fails_with.h"
 
 namespace splatlas {
 namespace {
-
-using testing::HasSubstr;
 
 TEST_F(ImportImage, ReadsEveryFormatAlike) {
   for (const auto& [name, bytes] : {std::pair<const char*, std::string>{"a.mha", meta_image()},

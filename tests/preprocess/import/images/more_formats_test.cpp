@@ -7,13 +7,10 @@
 #include "preprocess/import/images/import_image.h"
 #include "tests/preprocess/import/images/import_image_fixture.h"
 #include "tests/preprocess/messages_of_notes.h"
+#include "tests/support/fails_with.h"
 
 namespace splatlas {
 namespace {
-
-using testing::AllOf;
-using testing::ElementsAre;
-using testing::HasSubstr;
 
 /// Bytes written one number after another.
 class Bytes {

@@ -11,13 +11,11 @@
 #include "tests/preprocess/random_images.h"
 #include "tests/preprocess/raw_image_files.h"
 #include "tests/support/committed.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/run_program.h"
 
 namespace splatlas {
 namespace {
-
-using testing::AllOf;
-using testing::HasSubstr;
 
 template <typename T>
 Image row(VoxelType type, const std::vector<T>& values) {

@@ -10,14 +10,11 @@
 #include "tests/preprocess/random_images.h"
 #include "tests/preprocess/raw_image_files.h"
 #include "tests/support/committed.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/run_program.h"
 
 namespace splatlas {
 namespace {
-
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::StartsWith;
 
 class ImportMesh : public testing::Test {
  protected:

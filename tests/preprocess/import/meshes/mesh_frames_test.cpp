@@ -12,15 +12,12 @@
 #include "tests/preprocess/messages_of_notes.h"
 #include "tests/preprocess/raw_image_files.h"
 #include "tests/support/closed_mesh.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/file_bytes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
-
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
 
 constexpr std::array<Vec3, 4> kCorners{Vec3{40, 20, 5}, Vec3{44, 20, 5}, Vec3{40, 28, 5}, Vec3{40, 20, 21}};
 constexpr const char* kPoints = "40 20 5 44 20 5 40 28 5 40 20 21";

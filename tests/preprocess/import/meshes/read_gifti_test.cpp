@@ -10,12 +10,11 @@
 
 #include "preprocess/import/meshes/import_mesh.h"
 #include "tests/preprocess/raw_image_files.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {
-
-using testing::HasSubstr;
 
 struct Coding {
   std::string encoding = "ASCII";

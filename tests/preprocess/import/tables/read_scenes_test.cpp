@@ -10,9 +10,6 @@
 namespace splatlas {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
-
 struct ReadScenes : testing::Test {
   TemporaryFolder folder;
   [[nodiscard]] Result<SceneFile> read(const std::string& text) const {

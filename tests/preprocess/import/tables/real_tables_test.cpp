@@ -12,12 +12,10 @@
 namespace splatlas {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-
 /// File, dialect, names, a label, its summary, and the largest label, a line each; label 0 is not counted.
 constexpr std::string_view kFiles =
 #include "tests/preprocess/import/tables/real_tables.txt"
+#include "tests/support/fails_with.h"
     ;
 
 class RealTables : public testing::Test {

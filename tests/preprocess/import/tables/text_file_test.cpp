@@ -4,12 +4,11 @@
 #include <gtest/gtest.h>
 
 #include "tests/preprocess/raw_image_files.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/run_program.h"
 
 namespace splatlas {
 namespace {
-
-using testing::HasSubstr;
 
 TEST(StructureName, TakesWhatPeopleWrite) {
   for (const std::string name : {"a", "Noyau caudé", "Left (upper) lobe, 2nd part", "脳", "7"}) {

@@ -7,8 +7,6 @@
 namespace splatlas {
 namespace {
 
-using testing::HasSubstr;
-
 constexpr std::array kCompressed{TestCoding::kRunLengths, TestCoding::kJpegLossless, TestCoding::kJpegLs,
                                  TestCoding::kJpeg2000};
 

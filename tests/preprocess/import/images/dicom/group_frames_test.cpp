@@ -5,10 +5,7 @@
 namespace splatlas {
 namespace {
 
-using testing::AllOf;
-using testing::ElementsAre;
 using testing::EndsWith;
-using testing::HasSubstr;
 
 TEST_F(ImportDicom, SeveralSeriesMustBeChosenFrom) {
   write_series();

@@ -5,12 +5,6 @@
 namespace splatlas {
 namespace {
 
-using testing::AllOf;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::Not;
-
 class DicomContours : public ImportDicom {
  protected:
   static std::vector<Vec3> box(double x0, double x1, double y0, double y1, double z) {

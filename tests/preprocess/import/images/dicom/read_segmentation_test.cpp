@@ -6,10 +6,6 @@
 namespace splatlas {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-
 using Mask = std::vector<std::uint16_t>;
 constexpr std::size_t kPixels = TestSegmentation::kPixels;
 

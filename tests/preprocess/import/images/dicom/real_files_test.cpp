@@ -6,9 +6,6 @@
 namespace splatlas {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-
 class RealDicom : public testing::Test {
  protected:
   void SetUp() override {

@@ -8,11 +8,6 @@
 namespace splatlas {
 namespace {
 
-using testing::AllOf;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-
 TEST_F(ImportDicom, SlicesAreOrderedByPosition) {
   write_series();
   const SourceImage image = imported();

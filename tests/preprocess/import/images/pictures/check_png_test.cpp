@@ -6,12 +6,10 @@
 
 #include "preprocess/import/images/import_image.h"
 #include "tests/preprocess/import/images/import_image_fixture.h"
+#include "tests/support/fails_with.h"
 
 namespace splatlas {
 namespace {
-
-using testing::HasSubstr;
-using testing::StartsWith;
 
 const std::string kSignature = "\x89PNG\r\n\x1a\n";
 /// Of grey pixels of 8 bits.

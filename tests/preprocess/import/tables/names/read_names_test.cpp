@@ -4,13 +4,10 @@
 
 #include "preprocess/import/tables/names_table.h"
 #include "tests/preprocess/import/tables/names_cases.h"
+#include "tests/support/fails_with.h"
 
 namespace splatlas {
 namespace {
-
-using testing::AllOf;
-using testing::ElementsAre;
-using testing::HasSubstr;
 
 class ReadNames : public NamesTest {};
 

@@ -3,12 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "tests/preprocess/import/tables/names_cases.h"
+#include "tests/support/fails_with.h"
 
 namespace splatlas {
 namespace {
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
 
 class TableDialects : public NamesTest {};
 

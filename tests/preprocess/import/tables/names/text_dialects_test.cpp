@@ -8,9 +8,6 @@
 namespace splatlas {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-
 class TextDialects : public NamesTest {};
 
 TEST_F(TextDialects, ReadsItkSnap) {
@@ -106,6 +103,7 @@ TEST_F(TextDialects, ReadsColoursWhereAllRowsHaveThem) {
 /// A list, its first and last structure, and perhaps a doubt, a line each.
 constexpr std::string_view kNumbers =
 #include "tests/preprocess/import/tables/names/numbers_in_names.txt"
+#include "tests/support/fails_with.h"
     ;
 
 /// A whole number ahead of fractions: of the name or red, as all rows allow.

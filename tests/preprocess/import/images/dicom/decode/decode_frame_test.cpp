@@ -7,8 +7,6 @@
 
 namespace splatlas {
 namespace {
-using testing::HasSubstr;
-using testing::Not;
 
 constexpr std::array kCodings{TestCoding::kExplicit, TestCoding::kImplicit,   TestCoding::kBigEndian,
                               TestCoding::kDeflated, TestCoding::kRunLengths, TestCoding::kJpegLossless,
