@@ -93,7 +93,6 @@ Result<void> check_class_volume(const AtlasContent& content, const Index3& size)
   return {};
 }
 
-/// The rule that a surface may follow.
 std::optional<SurfaceRule> rule_of(const SurfaceMesh& mesh, const Index3& size) {
   if (mesh.empty()) return std::nullopt;
   for (const SurfaceRule rule : {SurfaceRule::kVoxels, SurfaceRule::kSmooth}) {

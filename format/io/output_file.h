@@ -46,7 +46,6 @@ class OutputFile {
   [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& path);
   /// Path to the unfinished file, for libraries that write to a path. Has no ending.
   [[nodiscard]] std::filesystem::path temporary() const;
-  /// Appends bytes.
   [[nodiscard]] Result<void> write(std::span<const std::byte> bytes);
 
  private:

@@ -51,7 +51,6 @@ class TaskControl {
   /// as check_task().
   void begin_stage(double end, std::size_t loops = 1);
 
-  /// All is done.
   void finish();
 
   // For ThreadPool.

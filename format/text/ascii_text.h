@@ -87,7 +87,6 @@ template <std::size_t n>
 /// Printable text in double quotes, truncated to 80 bytes with "...".
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
-/// Removes white space at both ends.
 [[nodiscard]] std::string_view trimmed(std::string_view text);
 /// A library's message as one line without a full stop; `otherwise` if there is none.
 [[nodiscard]] std::string one_line(const std::string& message, const std::string& otherwise);

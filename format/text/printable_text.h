@@ -47,7 +47,6 @@ class PrintableText {
     return text;
   }
 
-  /// Appends a format string with its arguments.
   template <typename... Pieces>
   PrintableText& add(fmt::format_string<PrintablePiece<Pieces>...> layout, const Pieces&... pieces) {
     fmt::format_to(std::back_inserter(text_), layout, printable_piece(pieces)...);

@@ -37,7 +37,6 @@ void add_framing(CLI::App& command, bool& fits_selection, FrameCenter& center);
 /// empty for the user's.
 [[nodiscard]] Error in_selection(const Error& error, const Atlas& atlas, const std::string& scene);
 
-/// Command-line options of the opening picture.
 struct OpeningRequest {
   std::string select;  ///< empty: of the first scene, or everything
   std::string scene;   ///< name; empty: none
@@ -45,7 +44,6 @@ struct OpeningRequest {
   bool names_view = false;  ///< --view is given, and the direction is that of the camera
 };
 
-/// The opening picture of a page.
 struct Opening {
   std::string select = "*", caption = {};
   Camera camera = {};

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <memory>
 #include <span>
-#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -194,7 +193,6 @@ struct Drawing {
     return show(&scene);
   }
 
-  /// Renders the picture `n` of `count`.
   Result<Page> render(const Camera& from, const RenderControl& control, std::size_t n = 0,
                       std::size_t count = 1) {
     const auto progress = [&](double fraction) {

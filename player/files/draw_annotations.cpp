@@ -211,7 +211,6 @@ Result<void> draw_annotations(Picture& picture, const AnnotationLayer& layer, st
   Canvas canvas(picture, background);
   paint_shapes(layer, canvas);
 
-  // Texts
   for (std::size_t n = 0; n < texts.size(); ++n) {
     const TextCoverage& text = texts[n];
     std::size_t at = 0;

@@ -16,7 +16,6 @@
 
 namespace splatlas {
 
-/// The extension of a file name, in lower case.
 [[nodiscard]] std::string lower_ending(const std::filesystem::path& path);
 /// Calls a module's EncodePixels. kFailed with the library's message.
 [[nodiscard]] Result<std::vector<std::byte>> encode_pixels(void* function, const PixelsToEncode& pixels);

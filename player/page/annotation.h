@@ -11,7 +11,6 @@
 
 namespace splatlas {
 
-/// Items that a picture may be annotated with.
 struct AnnotationItems {
   bool labels = false;       ///< names with leader lines
   bool legend = false;       ///< colour swatches with names
@@ -44,7 +43,6 @@ struct PageBox {
 [[nodiscard]] inline bool overlap(const PageBox& a, const PageBox& b) {
   return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
 }
-/// True if `inner` lies in `outer`.
 [[nodiscard]] inline bool contains(const PageBox& outer, const PageBox& inner) {
   return inner.left >= outer.left && inner.right <= outer.right && inner.top >= outer.top &&
          inner.bottom <= outer.bottom;
@@ -82,7 +80,6 @@ struct PlacedDot {
   Rgb color, casing_color;
 };
 
-/// A filled box.
 struct PlacedBox {
   PageBox box;
   Rgb color;

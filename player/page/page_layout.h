@@ -30,7 +30,6 @@ namespace splatlas {
 [[nodiscard]] std::string shortened_text(std::string_view text, double max_width,
                                          const std::function<double(std::string_view)>& width_of);
 
-/// A visible structure with its name and colour.
 struct NamedStructure {
   std::string name;
   Rgb color;
@@ -38,7 +37,6 @@ struct NamedStructure {
   bool labelled = true;  ///< may get a label
 };
 
-/// A picture to annotate.
 struct AnnotatedScene {
   const Picture& picture;
   View view;
@@ -51,7 +49,6 @@ struct AnnotatedScene {
 /// The colour on the way from `a` to `b`, in codes of sRGB.
 [[nodiscard]] Rgb mix(Rgb a, Rgb b, double share);
 
-/// Content of the annotations.
 struct AnnotationOptions {
   AnnotationItems items = {};
   /// Labels of the largest structures. Not set: kMaxLabels, and a note counts the others.

@@ -35,7 +35,6 @@ bool leaders_meet(const PlacedLabel& a, const PlacedLabel& b, const std::vector<
          distance_to_segment(end_a, b.port, end_b) < clearance;
 }
 
-/// One column of labels.
 class Column {
  public:
   Column(const std::vector<Label>& labels, const LabelSpace& space, const FreeSpace& free_space, bool is_left,

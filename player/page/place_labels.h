@@ -34,7 +34,6 @@ class FreeSpace {
   std::optional<PageBox> content_;
 };
 
-/// A name to place beside the structures.
 struct Label {
   std::vector<std::string> lines;  ///< of text, broken by balanced_lines()
   double width = 0, height = 0;    ///< of the text, in pixels
@@ -52,7 +51,6 @@ struct LabelSpace {
   std::vector<PageBox> obstacles;  ///< boxes that labels and leaders avoid
 };
 
-/// Position of a label.
 struct PlacedLabel {
   std::size_t label = 0;  ///< index
   PageBox box;            ///< of the text
@@ -72,9 +70,7 @@ struct PlacedLabel {
 
 /// True if the segments a-b and c-d have a common point.
 [[nodiscard]] bool segments_meet(PagePoint a, PagePoint b, PagePoint c, PagePoint d);
-/// True if the segment has a common point with the box.
 [[nodiscard]] bool segment_meets(PagePoint a, PagePoint b, const PageBox& box);
-/// Distance from a point to a segment.
 [[nodiscard]] double distance_to_segment(PagePoint point, PagePoint a, PagePoint b);
 
 }  // namespace splatlas

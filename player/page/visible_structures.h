@@ -23,7 +23,6 @@ struct IdGrid {
   std::vector<StructureIndex> ids;  ///< kNoStructure for the background; top row first
 };
 
-/// One structure of a picture.
 struct VisibleStructure {
   StructureIndex structure = kNoStructure;
   double pixels = 0;  ///< visible area

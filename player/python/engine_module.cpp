@@ -4,7 +4,6 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -96,7 +95,6 @@ class Interrupt {
   std::chrono::steady_clock::time_point asked_ = std::chrono::steady_clock::now();
 };
 
-/// An atlas and its renderer.
 class Player {
  public:
   Player(std::shared_ptr<const Atlas> atlas, const RendererOptions& renderer)
@@ -187,7 +185,6 @@ class Player {
   Frame spare_;
 };
 
-/// A picture, and what it shows.
 class Drawing {
  public:
   Drawing(std::shared_ptr<Player> player, const std::string& request, const std::string& select,

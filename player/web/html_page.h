@@ -12,7 +12,6 @@
 
 namespace splatlas {
 
-/// Contents of a page.
 struct HtmlPage {
   std::span<const std::byte> atlas;  ///< bytes of the file; empty: at the url, or in the server
   std::string url;                   ///< of the file, relative to the page, percent-encoded
@@ -28,7 +27,6 @@ struct HtmlPage {
 /// and this program was built without the WebAssembly module. Memory: four times the atlas.
 [[nodiscard]] Result<std::string> encode_html(const HtmlPage& page);
 
-/// An atlas in a catalogue.
 struct CatalogueEntry {
   std::string title, text;         ///< any texts
   std::string url;                 ///< of its page, percent-encoded

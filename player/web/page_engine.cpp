@@ -49,7 +49,6 @@ Json pick_json(const std::optional<Pick>& pick, const StructureGraph& graph) {
           {"point", pick->point_lps_mm}};
 }
 
-/// A structure and its descendants.
 Result<std::vector<StructureIndex>> subtree_of(const StructureGraph& graph, int structure) {
   const auto index = static_cast<StructureIndex>(structure);
   if (index < graph.size()) return graph.descendants(index);
@@ -151,7 +150,6 @@ Result<Json> page_labels(const Json& request, const Frame& frame, const Camera& 
 
 }  // namespace
 
-/// The calls by name.
 struct PageEngine::Call {
   PageEngine& engine;
   const Json& request;

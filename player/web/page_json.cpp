@@ -65,7 +65,6 @@ std::optional<Vec3> point_at(const Json& json, const char* key) {
   return found == json.end() || found->is_null() ? std::nullopt : std::optional(found->get<Vec3>());
 }
 
-/// The position of a name in a list.
 template <typename Enum, std::size_t kCount>
 Result<Enum> enum_at(const Json& json, const char* key, const std::array<const char*, kCount>& names,
                      Enum otherwise) {

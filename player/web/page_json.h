@@ -22,7 +22,6 @@ namespace splatlas {
 /// [structure]: voxels and triangles of it and its descendants.
 [[nodiscard]] std::vector<SubtreeCounts> counts_of(const Atlas& atlas);
 
-/// How a page frames a selection.
 struct PageFit {
   int structure = -1;                                ///< index; -1: the whole selection
   double zoom = 1;                                   ///< relative to the fit

@@ -12,7 +12,6 @@
 
 namespace splatlas {
 
-/// A range of a file.
 struct ByteRange {
   std::uint64_t offset = 0, bytes = 0;
   friend bool operator==(const ByteRange&, const ByteRange&) = default;
@@ -23,7 +22,6 @@ class RemoteBytes {
  public:
   /// Fills `to` from `offset`, out of one piece. kFailed if no piece holds the range.
   [[nodiscard]] Result<void> read(std::uint64_t offset, std::span<std::byte> to);
-  /// Adds a piece.
   void give(std::uint64_t offset, std::vector<std::byte> bytes);
   /// The ranges that reads have missed since the last call, in order and without gaps of a few KiB.
   [[nodiscard]] std::vector<ByteRange> take_missed();

@@ -54,7 +54,6 @@ class StageClock {
     stage_.clear();
   }
 
-  /// A finished stage.
   struct Stage {
     std::string name;
     double seconds = 0;
@@ -99,7 +98,6 @@ struct FragmentRule {
                                               const Grid& grid, const std::vector<FragmentRule>& rules,
                                               const std::function<void(double)>& progress, Notes& notes);
 
-/// Inputs and options of a build.
 struct BuildOptions {
   SourceFiles sources;
   std::filesystem::path output;
@@ -114,7 +112,6 @@ struct BuildOptions {
   ProgressFunction progress;  ///< may be empty
 };
 
-/// Statistics of a finished build.
 struct BuildReport {
   std::size_t structures = 0, classes = 0;
   std::array<std::uint64_t, 3> runs{};  ///< of the run models of x, y, z

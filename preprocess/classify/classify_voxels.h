@@ -17,7 +17,6 @@ struct CrossedVoxel {
   friend auto operator<=>(const CrossedVoxel&, const CrossedVoxel&) = default;
 };
 
-/// Class table, and the voxels of every class.
 struct ClassifiedVoxels {
   ClassTable classes;  ///< with counts and boxes, in storage_order()
   RunModel runs;       ///< along z

@@ -89,7 +89,6 @@ void scan_components(const MembershipVolume& memberships, std::span<const std::u
   }
 }
 
-/// Components of a volume.
 ComponentForest components_of(const MembershipVolume& memberships, std::span<const std::uint64_t> below) {
   ComponentForest forest;
   scan_components(

@@ -12,7 +12,6 @@
 
 namespace splatlas {
 
-/// Fragments of one structure.
 struct StructureFragments {
   StructureIndex structure = kNoStructure;
   std::uint64_t components = 0;

@@ -108,7 +108,6 @@ bool is_at_border(const Component<kDimension>& component, const itk::Size<kDimen
   return false;
 }
 
-/// Keeps the pieces of a rule.
 void keep_pieces(const SegmentRule& rule, const Grid& grid, MaskImage<3>& image) {
   auto components = components_of(image, 1);
   itk::Index<3> seed{};

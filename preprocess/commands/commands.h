@@ -57,20 +57,17 @@ struct ReportFiles {
                                  const std::filesystem::path& atlas, std::vector<OutputFile>& added) const;
 };
 
-/// Arguments of the build command.
 struct BuildRequest {
   BuildOptions options;
   ProgressMode progress = automatic_progress(stderr);
   ReportFiles reports;
 };
 
-/// Arguments of the check command.
 struct CheckRequest {
   std::filesystem::path atlas;
   ReportFiles reports;
 };
 
-/// Arguments of the lesson command.
 struct LessonRequest {
   std::filesystem::path atlas, output;
   std::vector<std::filesystem::path> scenes;

@@ -74,7 +74,6 @@ Result<void> check_words(const ExportOptions& options, std::span<const fs::path>
   return check_outputs(outputs, std::array{options.atlas});
 }
 
-/// Checks that all outputs can be written.
 Result<void> check_writable(const ExportOptions& options, std::span<const fs::path> outputs) {
   if (is_folder_of_masks(options)) {
     SPLATLAS_RETURN_IF_ERROR(check_writable_folder(options.labels));

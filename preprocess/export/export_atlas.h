@@ -28,7 +28,6 @@ struct ExportOptions {
   [[nodiscard]] bool streams_labels() const { return labels == "-"; }
 };
 
-/// Result of an export.
 struct ExportedFiles {
   std::vector<std::string> written;  ///< one line per file
   std::vector<std::string> notes;    ///< one line each

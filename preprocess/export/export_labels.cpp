@@ -5,7 +5,6 @@
 #include <map>
 #include <set>
 #include <thread>
-#include <utility>
 
 #include <fmt/format.h>
 

@@ -16,7 +16,6 @@ namespace splatlas {
 /// Names of the structures with voxels that have no label: segments, which a label map leaves out.
 [[nodiscard]] std::vector<std::string> structures_without_label(const AtlasContent& content);
 
-/// The masks of a folder.
 struct ExportedMasks {
   std::size_t count = 0;
   std::vector<std::string> notes;  ///< one line each: on the ending, on ids that are no safe file names

@@ -106,7 +106,6 @@ Result<bool> write_as(MeshFormat format, vtkPolyData& polygons, OutputFile& file
   return write_with<vtkPolyDataWriter>(polygons, file.temporary());
 }
 
-/// The coordinate farthest from 0.
 double largest_coordinate_mm(vtkPolyData& polygons) {
   double largest = 0;
   for (vtkIdType p = 0; p < polygons.GetNumberOfPoints(); ++p) {

@@ -188,7 +188,6 @@ class PathPlacer {
   PathPlacer(const SourceLookup& sources, GraphParts& parts, Notes& notes)
       : sources_(sources), parts_(parts), notes_(notes) {}
 
-  /// The root group of this name.
   StructureIndex root(const std::string& name) { return place_group(child_of(kNoGroup, name, true)); }
 
   /// Places all lines. Lines that fit no structure are counted as notes. kFailed, with the line, for

@@ -10,7 +10,6 @@
 
 namespace splatlas {
 
-/// A mesh within a grid.
 struct ClippedMesh {
   SurfaceMesh surface;                ///< positions in units of 1/1024 voxel
   std::vector<std::int64_t> crossed;  ///< memory offsets of the voxels that it crosses; sorted, unique

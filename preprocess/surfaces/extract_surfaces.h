@@ -13,7 +13,6 @@
 
 namespace splatlas {
 
-/// Surfaces and normals of all structures.
 struct ExtractedSurfaces {
   std::vector<SurfaceMesh> surfaces;                        ///< per structure; empty without voxels
   std::vector<std::vector<PackedNormal>> boundary_normals;  ///< per class, as in AtlasContent
@@ -28,7 +27,6 @@ struct Isosurface {
   double level = 0;  ///< inside from here on
 };
 
-/// Options of extract_surfaces().
 struct ExtractOptions {
   SurfaceRule rule = SurfaceRule::kSmooth;
   unsigned threads = 0;                  ///< 0: one per core. The result does not depend on it.

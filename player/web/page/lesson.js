@@ -108,7 +108,6 @@ class Lesson {
     this.update();
   }
 
-  /** Shows the texts of the present scene. */
   update() {
     const scene = this.#scene();
     byId('scene-editor').disabled = !scene;

@@ -32,7 +32,6 @@ class Model {
 
   children(index) { return this.#children[index]; }
 
-  /** A structure and all below it. */
   subtree(index) {
     const found = new Set([index]);
     for (const structure of found) this.#children[structure].forEach(child => found.add(child));
@@ -86,7 +85,6 @@ class Model {
     return plane ? {offset: plane.offset / plane.normal[axis], isFlipped: plane.normal[axis] < 0} : null;
   }
 
-  /** Replaces the cut across an axis of LPS. */
   setCutAcross(axis, cut, camera, gesture) {
     const others = this.state.cuts.filter(plane => !isAcross(plane, axis));
     const sign = cut?.isFlipped ? -1 : 1;
@@ -94,7 +92,6 @@ class Model {
     this.change({cuts: [...planes, ...others].slice(0, kMaxCuts)}, camera, gesture);
   }
 
-  /** The state that shows a scene. */
   sceneState(n) {
     const {select, cuts, question} = this.info.scenes[n];
     return {base: select, edits: [], cuts, scene: n, isAsking: question !== ''};
@@ -119,15 +116,12 @@ class Model {
 
   canRedo() { return this.#redo.length > 0; }
 
-  /** Number of steps so far. */
   steps() { return this.#forgotten + this.#undo.length; }
 
-  /** Forgets steps beyond the first `steps`. */
   forgetSteps(steps) {
     this.#undo.length = Math.min(this.#undo.length, Math.max(steps - this.#forgotten, 0));
   }
 
-  /** Forgets all steps. */
   forgetAll() {
     this.forgetSteps(0);
     this.#redo = [];

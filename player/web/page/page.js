@@ -134,7 +134,6 @@ class Page {
     byId('selection-text').value = this.#model.selection();
   }
 
-  /** Draws the present state. */
   #show() {
     const stage = this.#stage;
     if (stage.camera === null) return;
@@ -211,7 +210,6 @@ class Page {
 
   #fitSelection() { this.#turnTo({fit: {structure: -1, zoom: 1}}); }
 
-  /** Shows a structure in the middle. */
   #focus(index) {
     if (index === null) return;
     if (this.#model.mode(index) === 'off') this.#model.setMode(index, 'surface', this.#stage.camera);
@@ -430,7 +428,6 @@ class Page {
     return {...placed, zoom: relative, select: this.#model.selection(), cuts};
   }
 
-  /** Goes one step back or forth: 'undo' or 'redo'. */
   #undo(direction) {
     this.#going = this.#motion = null;
     const camera = this.#model.step(direction, this.#stage.camera);
@@ -439,7 +436,6 @@ class Page {
     this.#changed();
   }
 
-  /** Changes the model. */
   #edit(change) {
     change(this.#stage.camera);
     this.#changed();

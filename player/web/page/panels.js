@@ -33,7 +33,6 @@ class Inspector {
 
   isolate() { this.#edit(() => this.#model.isolate(this.index, this.#camera())); }
 
-  /** Shows or hides a structure. */
   toggle(index) {
     this.#model.toggle(index, this.#camera());
     this.#changed();

@@ -33,7 +33,6 @@ class PointerName {
   show(picked) { this.#box.replaceChildren(...(picked && this.#isOver ? [nameElement(picked.name)] : [])); }
 }
 
-/** A menu at a structure. */
 class Menu {
   #box = document.getElementById('menu');
 
@@ -186,7 +185,6 @@ function savePicture(name, caption) {
   made.toBlob(blob => download(`${name}.png`, blob));
 }
 
-/** Hands a file to the user. */
 function download(name, blob) {
   const link = element('a', {download: name, href: URL.createObjectURL(blob)});
   link.click();

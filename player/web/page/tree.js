@@ -165,7 +165,6 @@ class Tree {
     keys[event.key]();
   }
 
-  /** Opens or closes a group. */
   #reopen(path) {
     if (!this.#open.delete(path)) this.#open.add(path);
     this.#build();

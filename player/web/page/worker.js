@@ -166,7 +166,6 @@ function answerLight({serial, structure}) {
   return {type: 'lit', rows: latest?.serial === serial ? splatlas.light(structure) : []};
 }
 
-/** Slices [axis, index]. */
 function answerSlices({wanted}) {
   return {type: 'sliced', slices: wanted.map(([axis, index]) => ({axis, index, ...splatlas.slice(axis, index)}))};
 }

@@ -11,7 +11,6 @@
 
 namespace splatlas {
 
-/// What became of a lesson.
 struct SavedLesson {
   std::shared_ptr<const Atlas> atlas;  ///< with the lesson, open; none: `text` asks whether to replace
   std::string text;                    ///< a line for the user

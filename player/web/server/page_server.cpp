@@ -52,7 +52,6 @@ constexpr unsigned kMaxConnections = 400;
 constexpr unsigned kPatienceSeconds = 10;
 constexpr std::string_view kEvent = ":\n\n";
 
-/// A request, while it is answered.
 struct HttpRequest {
   MHD_Connection* connection;
   std::string_view method, path;

@@ -94,7 +94,6 @@ Result<const ImageFormatEntry*> known_format(const fs::path& path) {
   return bad_file(path, "is of no known type; {}", remedy_for(path));
 }
 
-/// The chosen layer of a file.
 Result<VoxelBuffer> choose_layer(SourceImage& image, const fs::path& path, const ImageOptions& options) {
   if (!options.component && image.layers == 1) return std::move(image.voxels);
   if (!options.component) {

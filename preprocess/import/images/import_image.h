@@ -45,7 +45,6 @@ struct Image {
 /// errors of the reader. Adds the reader's notes to `notes`. Call it while this process has one thread.
 [[nodiscard]] Result<Image> import_image(const std::filesystem::path& path, const ImageOptions& options,
                                          Notes& notes);
-/// The same without options and notes.
 [[nodiscard]] Result<Image> import_image(const std::filesystem::path& path);
 
 /// True if two grids have the same voxels, in whatever order of axes, within 0.01 voxels.

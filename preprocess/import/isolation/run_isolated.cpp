@@ -31,7 +31,6 @@ namespace fs = std::filesystem;
 
 constexpr int kAnswered = 42, kExited = 43, kOutOfMemory = 44, kThrown = 45, kNotWritten = 46;
 
-/// Page that parent and child share.
 struct Shared {
   std::atomic<std::uint32_t> beats{0};
   std::array<char, 1024> file{};  ///< the file being read; empty at first

@@ -34,7 +34,6 @@ std::vector<fs::path> list_images(const fs::path& folder) {
   return files;
 }
 
-/// Keeps the structures of `order`, in this order.
 void take_in_order(const std::vector<StructureIndex>& order, ImportedLabels& labels) {
   std::vector<StructureIndex> new_numbers(labels.structures.size(), 0);
   std::vector<SourceStructure> taken;

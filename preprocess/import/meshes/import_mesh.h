@@ -22,7 +22,6 @@ enum class MeshFormat { kStl, kObj, kPly, kVtk, kVtp, kGifti, kFreeSurfer };
 /// bytes. kFailed for any other.
 [[nodiscard]] Result<MeshFormat> mesh_format(const std::filesystem::path& path);
 
-/// Coordinate frame of mesh files.
 enum class MeshFrame {
   kLps,  ///< x to the left, y to posterior, z to superior: ITK, DICOM, 3D Slicer's files
   kRas,  ///< x to the right, y to anterior

@@ -102,7 +102,6 @@ struct FrameStack {
 /// "CT 512x512x93, 3.2x3.2x1.5 mm", with the part. The number of slices counts positions.
 [[nodiscard]] std::string description(const FrameStack& stack);
 
-/// A grid and its frames.
 struct SlicedStack {
   Grid grid;           ///< LPS; a tilted stack has a sheared direction
   double step_mm = 1;  ///< along the normal

@@ -39,7 +39,6 @@ double max_deviation_mm(double step_mm) {
   return std::max(kShare * step_mm, std::min(kRounding, kMaxShare * step_mm));
 }
 
-/// The frames at one position.
 struct SlicePosition {
   double height = 0;  ///< mm along the normal
   Frames frames;

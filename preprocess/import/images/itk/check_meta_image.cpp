@@ -20,7 +20,6 @@ struct TextHeader {
   std::map<std::string, std::string> fields;
   std::uint64_t bytes = 0;  ///< length of the header; pixels may follow
 
-  /// The value of a field, or `otherwise`.
   [[nodiscard]] std::string get(const std::string& field, const std::string& otherwise = "") const {
     const auto found = fields.find(field);
     return found == fields.end() ? otherwise : found->second;

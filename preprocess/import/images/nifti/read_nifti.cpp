@@ -36,7 +36,6 @@ std::vector<SourceSegment> labels_of_extensions(std::string_view extensions) {
   return labels;
 }
 
-/// The file with the header, and the file with the voxels.
 struct FilePair {
   fs::path header, voxels;
 };

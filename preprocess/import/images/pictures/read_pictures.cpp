@@ -40,7 +40,6 @@ using Tiff = std::unique_ptr<TIFF, decltype(&TIFFClose)>;
 /// Set by libtiff's messages: it ends a cut file like a whole one.
 bool has_fault = false;
 
-/// Size and type of a page.
 struct Page {
   std::int64_t columns = 0, rows = 0;
   StoredType type;
@@ -207,7 +206,6 @@ Result<SourceImage> read_png(const fs::path& file) {
   return image;
 }
 
-/// Appends the slices of a file.
 Result<void> add_picture(const fs::path& file, SourceImage& image) {
   report_child_progress(file);
   const bool is_png = to_lower(file.extension().string()) == ".png";

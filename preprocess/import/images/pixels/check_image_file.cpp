@@ -1,7 +1,6 @@
 #include "preprocess/import/images/pixels/check_image_file.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "format/content/grid.h"
 #include "format/io/memory_limit.h"

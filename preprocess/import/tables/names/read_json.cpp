@@ -34,7 +34,6 @@ bool is_json(std::string_view head) {
   return text.starts_with('{') || text.starts_with('[');
 }
 
-/// True if a JSON text has an object with this key.
 bool has_json_key(std::string_view head, std::string_view key) {
   const std::string quoted = fmt::format("\"{}\"", key);
   for (std::size_t at = is_json(head) ? head.find(quoted) : head.npos; at != head.npos;
