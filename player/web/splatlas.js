@@ -72,7 +72,8 @@ class Module {
 
 /** An engine in the program that serves the page, for workers: they may wait for an answer. */
 class Server {
-  #url; #pixels = null;
+  #url;
+  #pixels = null;
 
   constructor(url) { this.#url = url; }
 

@@ -78,13 +78,16 @@ class RemoteFile {
 /** Draws the newest state by workers. Calls the handlers {ready, picture, drawn, picked, hovered, labelled, lit, sliced, told,
  * error, stopped, ended}: `ended` when the program has, `told` is an error beside the picture, `error` one in its place. */
 class Engine {
-  #handlers; #module = null;
-  #atlas = null;  // bytes; null: on a server
-  #server = null;  // address of the native engine, up to the worker's number
+  #handlers;
+  #module = null;
+  #atlas = null;    // bytes; null: on a server
+  #server = null;   // address of the native engine, up to the worker's number
   #lessons = '';   // address that saves lessons
-  #remote = null; #source;
+  #remote = null;
+  #source;
   #workers = [];  // drafts and picks, and refines; the same one on a single core
-  #serial = 0; #state = null;
+  #serial = 0;
+  #state = null;
   #asked = 0;     // serial number of the latest refinement that a worker was asked for
   #refined = 0;   // and of the latest that has come
   #timer = 0;
@@ -212,7 +215,11 @@ class Engine {
     }
     if (message.type === 'cancelled') return message.serial === this.#serial && this.#refineAgain();
     if (message.type === 'error' && message.of !== 'draw') return this.#handlers.told(message.message, message.of);
-    if (message.serial !== this.#serial) return this.#takeOld(message);
+    if (message.serial !== this.#serial) {
+      // Drafts of a drag are shown although a newer one is asked for; old refinements are not
+      if (message.type === 'picture' && message.quality === 'draft') this.#handlers.picture({...message, isOld: true});
+      return undefined;
+    }
     if (message.type === 'error') return this.#handlers.error(message.message);
     this.#restarts[n] = 0;
     if (message.isFitted) this.#state = {...this.#state, camera: message.camera};
@@ -234,12 +241,6 @@ class Engine {
       worker.postMessage({type: 'withheld'});
       this.#handlers.error(`The atlas could not be loaded: ${error.message}. Choose again to try again.`);
     }
-  }
-
-  /** Drafts of a drag are shown although a newer one is asked for; old refinements are not. */
-  #takeOld(message) {
-    if (message.type === 'picture' && message.quality === 'draft')
-      this.#handlers.picture({...message, isOld: true});
   }
 
   /** A draft of the same state has ended its refinement. */

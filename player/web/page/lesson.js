@@ -6,10 +6,12 @@ const kSceneTexts = ['name', 'question', 'caption'];
 /** The editor of the present scene. Calls the handlers {record(): Promise<?object>, list() and labelled(): the scenes
  * or their labels are others, show(n), save(scenes, replaces): Promise<[status, text]>, tell(text)}. */
 class Lesson {
-  #model; #handlers; #isUnsaved = false;
+  #model; #handlers;
+  #isUnsaved = false;
 
   constructor(model, handlers) {
-    [this.#model, this.#handlers] = [model, handlers];
+    this.#model = model;
+    this.#handlers = handlers;
     for (const field of kSceneTexts) {
       byId(`scene-${field}`).addEventListener('input', event => {
         this.#isUnsaved = true;
@@ -23,10 +25,13 @@ class Lesson {
     });
     byId('scene-labels').addEventListener('change', () => handlers.labelled());
     window.addEventListener('beforeunload', event => { if (this.#isUnsaved) event.preventDefault(); });
-    const act = (id, does) => byId(id).addEventListener('click', does);
-    act('record', () => this.#record()); act('renew', () => this.#renew()); act('remove', () => this.#remove());
-    act('earlier', () => this.#move(-1)); act('later', () => this.#move(1));
-    act('save-lesson', () => this.#save()); act('save-atlas', () => this.#saveIntoAtlas());
+    onClick('record', () => this.#record());
+    onClick('renew', () => this.#renew());
+    onClick('earlier', () => this.#move(-1));
+    onClick('later', () => this.#move(1));
+    onClick('remove', () => this.#remove());
+    onClick('save-lesson', () => this.#save());
+    onClick('save-atlas', () => this.#saveIntoAtlas());
   }
 
   #scene() { return this.#model.info.scenes[this.#model.state.scene]; }
@@ -122,8 +127,9 @@ class Lesson {
   /** A scene with the keys of a lesson's file. */
   static stored({name, select, question, caption, azimuth, elevation, zoom, projection, center, cuts, labels}) {
     return {
-      name: name.trim(), select, question: question.trim().replace(/\s+/g, ' '), caption: caption.trim(), azimuth, elevation, zoom,
-      projection, ...(center ? {center: center.join()} : {}), cuts: cuts.map(({normal, offset}) => [...normal, offset].join()), labels,
+      name: name.trim(), select, question: question.trim().replace(/\s+/g, ' '), caption: caption.trim(),
+      azimuth, elevation, zoom, projection, ...(center ? {center: center.join()} : {}),
+      cuts: cuts.map(({normal, offset}) => [...normal, offset].join()), labels,
     };
   }
 

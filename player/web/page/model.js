@@ -8,7 +8,8 @@ const isAcross = ({normal}, axis) => normal.every((component, a) => (component !
 
 /** What the page shows. The selection is a text, from a scene or a link, and edits of single subtrees behind it. */
 class Model {
-  #undo = []; #redo = [];
+  #undo = [];
+  #redo = [];
   #forgotten = 0;  // steps before those in #undo
   #children;
 
@@ -38,7 +39,6 @@ class Model {
     return [...found];
   }
 
-  /** The structures without parts in a subtree. */
   leaves(index) { return this.subtree(index).filter(structure => this.#children[structure].length === 0); }
 
   /** Names from a root to the structure, along its first parents. */

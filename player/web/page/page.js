@@ -13,13 +13,17 @@ const kFocusZoom = 0.8;
 class Page {
   #opening = JSON.parse(block('opening'));
   #engine = new Engine({
-    ready: info => this.#begin(info), picture: message => this.#takePicture(message), drawn: drawn => this.#takeDrawn(drawn),
+    ready: info => this.#begin(info),
+    picture: message => this.#takePicture(message),
+    drawn: drawn => this.#takeDrawn(drawn),
     picked: (picked, {purpose, u, v}) => this.#takePick(picked, purpose, u, v),
     hovered: picked => this.#pointer.show(this.#quiz.isAsking() ? null : picked),
     labelled: layer => { if (layer && !this.#quiz.isAsking()) this.#names.show(layer, this.#pictures.width, this.#pictures.height); },
     lit: lightUp, sliced: slices => this.#slices.take(slices),
     told: (text, of) => this.#tell(of === 'label' && /too small/.test(text) ? 'There is no room for names of this size.' : text),
-    error: text => this.#takeError(text), stopped: text => this.#stopFor(text),
+    error: text => this.#takeError(text),
+    stopped: reason => this.#stop(
+      `The player has stopped: ${reason.replace(/\.$/, '')}. Load the page again, or export it anew.`),
     ended: () => this.#stop('The player has ended. Start splatlas-player again.'),
   });
   #stage = new Stage({
@@ -32,13 +36,13 @@ class Page {
     resized: () => { if (!matchMedia('print').matches) this.#show(); },
   });
   #pointer = new PointerName((u, v) => this.#engine.ask('hover', {u, v}));
-  #menu = null; #lesson = null; #quiz = null; #names = null;
   #keys = new Map();  // what keys do
   #named = null;      // index of the structure whose name is on the picture
   #going = null;      // the latest goal of the camera, until its motion begins
   #motion = null;     // {from, to, begin, at}
   #pictures = {count: 0, valueOf() { return this.count; }};
-  #model = null; #tree = null; #inspector = null; #scenes = null; #cuts = null; #slices = null;
+  #model = null;
+  #tree; #inspector; #scenes; #cuts; #slices; #menu; #lesson; #quiz; #names;  // with the model
   #lastGood = null;   // {state, camera, steps} of the latest that was drawn; of the opening picture before
   #typed = null;      // the text of "Show this selection" until its picture
   #messageTimer = 0;
@@ -101,7 +105,10 @@ class Page {
       },
     });
     this.#startViews(info.views);
-    this.#startSearch(); this.#startActions(); this.#startKeys(); Talk.start();
+    this.#startSearch();
+    this.#startActions();
+    this.#startKeys();
+    Talk.start();
     this.#showCredits(info.provenance);
     window.addEventListener('hashchange', () => this.#followLink());
     const {select, scene} = this.#opening;
@@ -312,12 +319,9 @@ class Page {
     clearTimeout(this.#messageTimer);
     this.#endWait();
     document.body.dataset.stopped = 'true';
-    for (const part of ['canvas', 'views', 'scenes', 'structures', 'cutting', 'quiz-find', 'quiz-name', 'quiz-lesson', 'quiz-next', 'display', 'record', 'scene-editor', 'undo', 'redo',
-      'show-all', 'hide-all', 'large']) byId(part).inert = true;
-  }
-
-  #stopFor(reason) {
-    this.#stop(`The player has stopped: ${reason.replace(/\.$/, '')}. Load the page again, or export it anew.`);
+    for (const part of ['canvas', 'views', 'scenes', 'structures', 'cutting', 'quiz-find', 'quiz-name', 'quiz-lesson',
+      'quiz-next', 'display', 'record', 'scene-editor', 'undo', 'redo', 'show-all', 'hide-all', 'large'])
+      byId(part).inert = true;
   }
 
   #startViews(views) {
@@ -372,20 +376,21 @@ class Page {
 
   #startActions() {
     const model = this.#model;
-    const act = (id, does) => byId(id).addEventListener('click', does);
-    for (const step of ['undo', 'redo']) act(step, () => this.#undo(step));
-    act('show-all', () => this.#edit(camera => model.showAll(camera)));
-    act('hide-all', () => this.#edit(camera => model.hideAll(camera)));
-    act('large', () => Talk.toggle('large')); act('save', () => this.#save());
-    act('ghost-others', () => this.#ghostOthers(this.#inspector.index));
-    act('focus-chosen', () => this.#focus(this.#inspector.index));
+    for (const step of ['undo', 'redo']) onClick(step, () => this.#undo(step));
+    onClick('show-all', () => this.#edit(camera => model.showAll(camera)));
+    onClick('hide-all', () => this.#edit(camera => model.hideAll(camera)));
+    onClick('large', () => Talk.toggle('large'));
+    onClick('save', () => this.#save());
+    onClick('print', () => print());
+    onClick('ghost-others', () => this.#ghostOthers(this.#inspector.index));
+    onClick('focus-chosen', () => this.#focus(this.#inspector.index));
     this.#menu = new Menu([
       ['Only this', () => this.#inspector.isolate()],
       ['Ghost the others', index => this.#ghostOthers(index)],
       ['Hide', index => this.#inspector.toggle(index)],
       ['Go there', index => this.#focus(index)],
     ]);
-    byId('apply-text').addEventListener('click', () => {
+    onClick('apply-text', () => {
       this.#typed = byId('selection-text').value;
       this.#model.change({base: this.#typed, edits: []}, this.#stage.camera);
       this.#changed();
@@ -395,12 +400,11 @@ class Page {
       this.#stage.camera = {...this.#stage.camera, projection: event.target.checked ? 'perspective' : 'parallel'};
       this.#show();
     });
-    byId('print').addEventListener('click', () => print());
-    byId('skip').addEventListener('click', event => {
+    onClick('skip', event => {
       event.preventDefault();
       this.#openSearch();
     });
-    byId('copy-link').addEventListener('click', async () => {
+    onClick('copy-link', async () => {
       if (this.#stage.camera.fit) return this.#tell('The picture is under way. Copy its link when it is there.');
       if (!this.#writeLink()) return this.#tell('The selection is too long for a link. Copy its text, or a scene.');
       const copied = await navigator.clipboard?.writeText(location.href).then(() => true, () => false);

@@ -2,6 +2,7 @@
 'use strict';
 
 const byId = id => document.getElementById(id);
+const onClick = (id, act) => byId(id).addEventListener('click', act);
 
 /** Mode, opacity and colour of the chosen structure. Calls the handler changed() after it has changed the model. */
 class Inspector {
@@ -9,7 +10,9 @@ class Inspector {
 
   /** @param {function} camera returns the camera, for undo */
   constructor(model, camera, changed) {
-    [this.#model, this.#camera, this.#changed] = [model, camera, changed];
+    this.#model = model;
+    this.#camera = camera;
+    this.#changed = changed;
     this.index = null;
     for (const button of document.querySelectorAll('[data-mode-button]'))
       button.addEventListener('click', () => this.setMode(button.dataset.modeButton));
@@ -19,7 +22,7 @@ class Inspector {
       this.#edit(() => model.setAppearance(this.index, {color: event.target.value}, camera())));
     for (const event of ['pointerup', 'blur']) byId('opacity').addEventListener(event, () => model.endGesture());
     byId('color').addEventListener('change', () => model.endGesture());
-    byId('isolate').addEventListener('click', () => this.isolate());
+    onClick('isolate', () => this.isolate());
     this.update();
   }
 
@@ -65,17 +68,20 @@ class Inspector {
 
 /** The strip of scenes with question or caption. Calls the handlers show(n) and answer(). */
 class Scenes {
-  #scenes; #show; #answer; #buttons; #current = null; #isAsking = false;
+  #scenes; #show; #answer; #buttons;
+  #current = null;
+  #isAsking = false;
 
   constructor(scenes, show, answer) {
-    [this.#scenes, this.#show, this.#answer] = [scenes, show, answer];
+    this.#scenes = scenes;
+    this.#show = show;
+    this.#answer = answer;
     this.list();
-    byId('previous').addEventListener('click', () => this.step(-1));
-    byId('next').addEventListener('click', () => this.step(1));
-    byId('answer').addEventListener('click', () => answer());
+    onClick('previous', () => this.step(-1));
+    onClick('next', () => this.step(1));
+    onClick('answer', () => answer());
   }
 
-  /** Makes the strip anew. */
   list() {
     byId('scenes').hidden = this.#scenes.length === 0;
     this.#buttons = this.#scenes.map((scene, n) => {
@@ -97,7 +103,8 @@ class Scenes {
 
   /** Marks a scene as the present one, with its question or its caption; null: none. `isChanged`: another selection. */
   mark(n, isAsking, isChanged) {
-    [this.#current, this.#isAsking] = [n, isAsking];
+    this.#current = n;
+    this.#isAsking = isAsking;
     if (!isAsking && document.activeElement === byId('answer')) byId('next').focus();
     byId('answer').hidden = !isAsking;
     this.#buttons.forEach((button, each) => {
@@ -129,7 +136,8 @@ class Cuts {
   #model; #placed; #rows;
 
   constructor(model, camera, changed, placed) {
-    [this.#model, this.#placed] = [model, placed];
+    this.#model = model;
+    this.#placed = placed;
     const bounds = boundsOf(model.info.storage_grid);
     const axes = [['Right to left', 'left', 'right'], ['Front to back', 'posterior', 'anterior'],
       ['Bottom to top', 'superior', 'inferior']];
@@ -159,7 +167,7 @@ class Cuts {
       const place = offset => `${Math.abs(offset)} mm${offset === 0 ? '' : ` ${offset > 0 ? high : low}`}`;
       return {slider, side, text, place};
     });
-    byId('no-cuts').addEventListener('click', () => {
+    onClick('no-cuts', () => {
       model.change({cuts: []}, camera());
       changed();
     });

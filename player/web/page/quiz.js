@@ -15,11 +15,12 @@ class Quiz {
   #rows = [];        // [kind, asked, answered, is right, seconds]
 
   constructor(model, handlers) {
-    [this.#model, this.#handlers] = [model, handlers];
-    for (const kind of ['find', 'name', 'lesson']) byId(`quiz-${kind}`).addEventListener('click', () => this.#start(kind));
-    byId('quiz-next').addEventListener('click', () => this.#next());
-    byId('quiz-end').addEventListener('click', () => this.#end());
-    byId('quiz-save').addEventListener('click', () => download('quiz.csv', new Blob([Quiz.csv(this.#rows)], {type: 'text/csv'})));
+    this.#model = model;
+    this.#handlers = handlers;
+    for (const kind of ['find', 'name', 'lesson']) onClick(`quiz-${kind}`, () => this.#start(kind));
+    onClick('quiz-next', () => this.#next());
+    onClick('quiz-end', () => this.#end());
+    onClick('quiz-save', () => download('quiz.csv', new Blob([Quiz.csv(this.#rows)], {type: 'text/csv'})));
     this.forget();
   }
 
@@ -60,7 +61,9 @@ class Quiz {
     if (this.#before) {
       this.#handlers.restore(this.#before);
     } else {
-      [this.#rows, this.#before, this.#pool] = [[], this.#handlers.state(), this.#shown()];
+      this.#rows = [];
+      this.#before = this.#handlers.state();
+      this.#pool = this.#shown();
     }
     this.#left = kind === 'lesson' ? this.#ofLesson() : Quiz.shuffled(this.#pool).map(index => {
       const asked = this.#model.structures[index].name;

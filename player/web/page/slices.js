@@ -13,7 +13,8 @@ class Slices {
   #canvases;
 
   constructor(model, handlers) {
-    [this.#model, this.#handlers] = [model, handlers];
+    this.#model = model;
+    this.#handlers = handlers;
     this.#size = model.info.storage_grid.size;
     this.#bounds = boundsOf(model.info.storage_grid);
     const isOblique = model.info.storage_grid.direction_lps.some((value, n) => n % 4 !== 0 && Math.abs(value) > 1e-3);

@@ -124,7 +124,9 @@ class Names {
 
   show({lines, dots, texts}, width, height) {
     const context = this.#canvas.getContext('2d');
-    [this.#canvas.width, this.#canvas.height, this.#canvas.hidden] = [width, height, false];
+    this.#canvas.width = width;
+    this.#canvas.height = height;
+    this.#canvas.hidden = false;
     const stroke = ([x0, y0, x1, y1], color, lineWidth) => {
       context.strokeStyle = color;
       context.lineWidth = lineWidth;

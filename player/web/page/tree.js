@@ -31,7 +31,8 @@ class Tree {
   #focused = '';        // path of the row that Tab reaches
 
   constructor(model, handlers) {
-    [this.#model, this.#handlers] = [model, handlers];
+    this.#model = model;
+    this.#handlers = handlers;
     for (const root of model.roots) this.#openDown(root, String(root), 2);
     this.#list.addEventListener('keydown', event => this.#key(event));
     this.#build();
@@ -149,7 +150,10 @@ class Tree {
     const isOpen = row.item.getAttribute('aria-expanded');
     const go = n => this.#focus(this.#rows[Math.min(Math.max(n, 0), this.#rows.length - 1)], true);
     const keys = {
-      ArrowDown: () => go(at + 1), ArrowUp: () => go(at - 1), Home: () => go(0), End: () => go(this.#rows.length - 1),
+      ArrowDown: () => go(at + 1),
+      ArrowUp: () => go(at - 1),
+      Home: () => go(0),
+      End: () => go(this.#rows.length - 1),
       Enter: () => this.#choose(row),
       ' ': () => this.#handlers.toggle(row.index),
       ArrowRight: () => (isOpen === 'false' ? this.#reopen(path) : go(at + 1)),

@@ -7,9 +7,13 @@
 // The page must have scenes. Installs puppeteer-core and axe-core in FOLDER. SPLATLAS_BROWSER may name another Chromium, or Firefox.
 // Exit status 77: these or the browser are missing.
 'use strict';
-const assert = require('node:assert'); const {execFileSync, spawn} = require('node:child_process');
-const {once} = require('node:events'); const fs = require('node:fs'); const path = require('node:path');
-const {createRequire} = require('node:module'); const {pathToFileURL} = require('node:url');
+const assert = require('node:assert');
+const {execFileSync, spawn} = require('node:child_process');
+const {once} = require('node:events');
+const fs = require('node:fs');
+const path = require('node:path');
+const {createRequire} = require('node:module');
+const {pathToFileURL} = require('node:url');
 const {serve} = require('./serve.js');
 
 const kBrowser = process.env.SPLATLAS_BROWSER ?? '/usr/bin/chromium';
@@ -18,7 +22,8 @@ const kDesk = {width: 1280, height: 800};
 const kPhone = {width: 390, height: 844, ...(kIsFirefox ? {} : {isMobile: true, hasTouch: true})};
 const kPatience = 60000;  // ms
 
-const kDragMoves = 60; const kFrameMs = 30;
+const kDragMoves = 60;
+const kFrameMs = 30;
 const kMinDraftRate = 3;  // a second; slow machines run other tests meanwhile
 
 const kPackages = ['puppeteer-core@24', 'axe-core@4'];
@@ -75,8 +80,15 @@ class Visit {
   async changes(what, act) {
     const before = await this.page.evaluate(textOfCanvas);
     await this.page.evaluate(() => { document.body.dataset.quality = ''; });
-    await act(); await this.refined();
+    await act();
+    await this.refined();
     assert(await this.page.evaluate(textOfCanvas) !== before, `${what}: the picture is the same`);
+  }
+
+  /** Presses keys and clicks what selectors name; each gives another picture. */
+  async changesBy(...acts) {
+    for (const act of acts)
+      await this.changes(act, () => (/^[#[]/.test(act) ? this.page.click(act) : this.page.keyboard.press(act)));
   }
 
   async text(selector) { return this.page.$eval(selector, each => each.textContent); }
@@ -114,13 +126,17 @@ async function drag(visit) {
       put.apply(this, picture);
     };
   });
-  const begin = performance.now(); const [x, y] = await middleOf(visit); await mouse.move(x, y); await mouse.down();
+  const begin = performance.now();
+  const [x, y] = await middleOf(visit);
+  await mouse.move(x, y);
+  await mouse.down();
   for (let n = 1; n <= kDragMoves; ++n) {
     await mouse.move(x + 200 * n / kDragMoves, y + 40 * n / kDragMoves);
     await new Promise(resolve => setTimeout(resolve, kFrameMs));
   }
   const seconds = (performance.now() - begin) / 1000;
-  const rate = await visit.page.evaluate(() => window.drafts) / seconds; await mouse.up();
+  const rate = await visit.page.evaluate(() => window.drafts) / seconds;
+  await mouse.up();
   console.log(`${rate.toFixed(1)} drafts a second in a drag`);
   assert(rate > kMinDraftRate);
 }
@@ -128,58 +144,64 @@ async function drag(visit) {
 async function search(visit) {
   const {page} = visit;
   const isNamed = text => text.toLowerCase().includes(name.toLowerCase());
-  await page.click('#search'); await page.type('#search', name);
+  await page.click('#search');
+  await page.type('#search', name);
   const rows = await page.$$eval('#tree .label > bdi', names => names.map(each => each.textContent));
   assert(rows.length > 0 && rows.every(isNamed), `found: ${rows}`);
-  await visit.picture('search'); await page.click('#tree [role=treeitem]');
+  await visit.picture('search');
+  await page.click('#tree [role=treeitem]');
   assert(isNamed(await visit.text('#chosen-name')));
 }
 
 /** Shows the found structure alone, changes it, and picks it. */
 async function edit(visit) {
   const {page} = visit;
-  await visit.changes('isolate', () => page.click('#isolate'));
-  await visit.changes('fit', () => page.keyboard.press('0')); const [x, y] = await middleOf(visit);
+  await visit.changesBy('#isolate', '0');
+  const [x, y] = await middleOf(visit);
   await page.mouse.click(x, y);
   await page.waitForSelector('#picked strong', {timeout: kPatience});
   assert.strictEqual(await visit.text('#picked strong'), await visit.text('#chosen-name'));
-  assert.strictEqual(await page.$eval('#search', input => input.value), ''); await visit.picture('desk_pick');
-  await visit.changes('volume', () => page.click('[data-mode-button=volume]'));
+  assert.strictEqual(await page.$eval('#search', input => input.value), '');
+  await visit.picture('desk_pick');
+  await visit.changesBy('[data-mode-button=volume]');
   await visit.changes('colour', () => page.$eval('#color', input => {
     input.value = '#20c040';
     input.dispatchEvent(new Event('input'));
   }));
-  await visit.changes('undo', () => page.click('#undo')); await visit.changes('undo', () => page.keyboard.press('u'));
-  await visit.changes('undo', () => page.keyboard.press('u'));
-  await visit.changes('fit', () => page.keyboard.press('0'));
+  await visit.changesBy('#undo', 'u', 'u', '0');
 }
 
 /** What the pointer does: a name at rest, a focus, a menu. */
 async function point(visit) {
   const {page} = visit;
-  const [x, y] = await middleOf(visit); await page.mouse.move(x + 3, y + 3);
+  const [x, y] = await middleOf(visit);
+  await page.mouse.move(x + 3, y + 3);
   await page.waitForFunction(() => document.getElementById('hover').textContent !== '', {timeout: kPatience});
   assert.strictEqual(await visit.text('#hover'), await visit.text('#chosen-name'));
   await visit.changes('focus', () => page.mouse.click(x, y, {count: 2}));
   await page.mouse.click(x, y, {button: 'right'});
   await page.waitForSelector('#menu:not([hidden])', {timeout: kPatience});
-  await visit.picture('desk_menu'); await page.keyboard.press('Escape');
-  await visit.changes('ghosts', () => page.keyboard.press('g')); await visit.picture('desk_ghosts');
-  await visit.changes('hide all', () => page.click('#hide-all'));
-  await visit.changes('undo', () => page.keyboard.press('u')); await visit.changes('redo', () => page.click('#redo'));
-  await visit.changes('undo', () => page.keyboard.press('u'));
+  await visit.picture('desk_menu');
+  await page.keyboard.press('Escape');
+  await visit.changesBy('g');
+  await visit.picture('desk_ghosts');
+  await visit.changesBy('#hide-all', 'u', '#redo', 'u');
 }
 
 /** The large picture, the black screen, and the list of keys. */
 async function talk(visit) {
   const {page} = visit;
   const hidden = selector => page.$eval(selector, each => getComputedStyle(each).display === 'none');
-  await visit.changes('large', () => page.keyboard.press('f'));
+  await visit.changesBy('f');
   assert(await hidden('#panel') && await hidden('header') && !(await hidden('#caption')));
-  await visit.picture('desk_large'); await page.keyboard.press('b'); await page.keyboard.press('Escape');
+  await visit.picture('desk_large');
+  await page.keyboard.press('b');
+  await page.keyboard.press('Escape');
   assert.strictEqual(await page.evaluate(() => document.body.dataset.black), undefined);
-  await visit.changes('end', () => page.keyboard.press('Escape')); assert(!(await hidden('#panel')));
-  await page.keyboard.press('?'); assert(!(await hidden('#keys')));
+  await visit.changesBy('Escape');
+  assert(!(await hidden('#panel')));
+  await page.keyboard.press('?');
+  assert(!(await hidden('#keys')));
 }
 
 /** The state comes back by window.splatlas. */
@@ -192,7 +214,9 @@ async function restore(visit) {
   const after = await page.evaluate(async state => {
     const {count} = splatlas.pictures;
     splatlas.show({select: '*:volume'});
-    await splatlas.idle(); splatlas.show(state); await splatlas.idle();
+    await splatlas.idle();
+    splatlas.show(state);
+    await splatlas.idle();
     return {more: splatlas.pictures - count, ms: splatlas.pictures.ms, picture: document.getElementById('canvas').toDataURL()};
   }, before.state);
   assert.strictEqual(after.picture, before.picture);
@@ -217,13 +241,19 @@ async function buttonsAreInside(visit, sizes) {
 /** The colours, text sizes and tabs of the panel. */
 async function display(visit) {
   const {page} = visit;
-  await page.click('#tab-display'); await page.select('#theme', 'dark'); await visit.picture('desk_dark');
-  await page.select('#theme', 'contrast'); await visit.changes('text size', () => page.select('#text-size', '1.25'));
-  await visit.picture('desk_contrast'); await page.select('#theme', 'light');
+  await page.click('#tab-display');
+  await page.select('#theme', 'dark');
+  await visit.picture('desk_dark');
+  await page.select('#theme', 'contrast');
+  await visit.changes('text size', () => page.select('#text-size', '1.25'));
+  await visit.picture('desk_contrast');
+  await page.select('#theme', 'light');
   await visit.changes('text size', () => page.select('#text-size', '1'));
-  await visit.changes('perspective', () => page.click('#perspective'));
+  await visit.changesBy('#perspective');
   assert(await page.$eval('#scale-bar', bar => bar.hidden));
-  await visit.picture('desk_perspective'); await page.click('#tab-about'); await visit.picture('desk_about');
+  await visit.picture('desk_perspective');
+  await page.click('#tab-about');
+  await visit.picture('desk_about');
   await visit.hasNoOverflow();
   await page.pdf({path: path.join(folder, 'print.pdf'), format: 'A4', printBackground: true});
 }
@@ -231,9 +261,10 @@ async function display(visit) {
 /** The third scene asks, has cuts, and answers at the next key. */
 async function ask(visit) {
   const {page} = visit;
-  await visit.changes('scene', () => page.keyboard.press('n'));
+  await visit.changesBy('n');
   assert.strictEqual(await visit.text('#caption'), 'Which <b>ball</b> is it?');
-  await visit.picture('desk_question'); await page.keyboard.press('n');
+  await visit.picture('desk_question');
+  await page.keyboard.press('n');
   assert.strictEqual(await visit.text('#caption'), 'The <b>first</b> one.');
 }
 
@@ -242,7 +273,8 @@ async function slices(visit) {
   const {page} = visit;
   await page.click('#tab-cutting');
   const slice = await page.waitForSelector('#slices canvas:last-child[data-index]', {timeout: kPatience});
-  await page.click('#no-cuts'); await visit.changes('cut', () => slice.click());
+  await page.click('#no-cuts');
+  await visit.changes('cut', () => slice.click());
   assert.notStrictEqual(await visit.text('#picked'), '');
   const [cut] = await page.evaluate(() => window.splatlas.state().cuts);
   assert.deepStrictEqual(cut.normal, [0, 0, 1]);
@@ -257,16 +289,21 @@ async function quiz(visit) {
   const shown = () => page.evaluate(() => window.splatlas.state().select);
   const task = start => page.waitForFunction(
     text => document.getElementById('quiz-task').textContent.startsWith(text), {timeout: kPatience}, start);
-  const before = await shown(); await page.click('#tab-quiz'); await visit.changes('name it', () => page.click('#quiz-name'));
-  await visit.picture('desk_quiz'); const asked = (await shown()).match(/^"([^"]*)"/)[1];
+  const before = await shown();
+  await page.click('#tab-quiz');
+  await visit.changesBy('#quiz-name');
+  await visit.picture('desk_quiz');
+  const asked = (await shown()).match(/^"([^"]*)"/)[1];
   const names = await page.$$eval('#quiz-names button', buttons => buttons.map(button => button.textContent));
   assert.ok(names.includes(asked) && new Set(names).size === names.length, names.join());
   await page.click(`#quiz-names button:nth-child(${names.indexOf(asked) + 1})`);
   await task(`Right: ${asked}.`);
-  await visit.changes('find it', () => page.click('#quiz-find'));
-  await task('Click: '); await page.mouse.click(...await middleOf(visit));
+  await visit.changesBy('#quiz-find');
+  await task('Click: ');
+  await page.mouse.click(...await middleOf(visit));
   await page.waitForFunction(() => document.getElementById('quiz-score').textContent.endsWith('of 2 right'), {timeout: kPatience});
-  await page.click('#quiz-end'); await page.evaluate(() => window.splatlas.idle());
+  await page.click('#quiz-end');
+  await page.evaluate(() => window.splatlas.idle());
   assert.strictEqual(await shown(), before);
 }
 
@@ -274,18 +311,24 @@ async function quiz(visit) {
 async function record(visit) {
   const {page} = visit;
   const idle = () => page.evaluate(() => splatlas.idle());
-  await page.click('#tab-recording'); await visit.changes('zoom', () => page.keyboard.press('+'));
+  await page.click('#tab-recording');
+  await visit.changesBy('+');
   await page.click('#record');
   await page.waitForFunction(() => document.activeElement.id === 'scene-name', {timeout: kPatience});
-  await page.type('#scene-name', 'Recorded'); await page.type('#scene-caption', 'One\n"Two"');
-  await page.type('#scene-labels', 'Sphere_2'); await idle(); const screen = await page.evaluate(textOfCanvas);
-  await visit.picture('desk_lesson'); await page.click('#tab-structures');
-  await visit.changes('scene', () => page.keyboard.press('p'));
+  await page.type('#scene-name', 'Recorded');
+  await page.type('#scene-caption', 'One\n"Two"');
+  await page.type('#scene-labels', 'Sphere_2');
+  await idle();
+  const screen = await page.evaluate(textOfCanvas);
+  await visit.picture('desk_lesson');
+  await page.click('#tab-structures');
+  await visit.changesBy('p');
   await visit.changes('scene', async () => {
     await page.keyboard.press('n');
     await page.keyboard.press('n');  // the answer, and the next
   });
-  await idle(); assert.strictEqual(await page.evaluate(textOfCanvas), screen);
+  await idle();
+  assert.strictEqual(await page.evaluate(textOfCanvas), screen);
   await page.waitForSelector('#names:not([hidden])', {timeout: kPatience});
   await visit.picture('desk_names');
   const saved = await page.evaluate(async () => {
@@ -299,8 +342,10 @@ async function record(visit) {
   assert.strictEqual(saved.match(/\[\[scene\]\]/g).length, 4);
   assert.match(saved, /name = "Recorded"\nselect = "\*:volume"\nquestion = ""\ncaption = "One\\n\\"Two\\""\n/);
   assert.match(saved, /cuts = \["0,-1,0,-15","0.5,0,0.5,20"\]\nlabels = \["Sphere_2"\]\n$/);
-  await page.click('#tab-recording'); await saveIntoAtlas(visit, 4, 'Replace the lesson in native.atlas?');
-  await visit.changes('remove', () => page.click('#remove')); await saveIntoAtlas(visit, 3);
+  await page.click('#tab-recording');
+  await saveIntoAtlas(visit, 4, 'Replace the lesson in native.atlas?');
+  await visit.changesBy('#remove');
+  await saveIntoAtlas(visit, 3);
   await page.click('#tab-structures');
 }
 
@@ -309,7 +354,8 @@ async function saveIntoAtlas(visit, scenes, question) {
   assert.strictEqual(await visit.page.$eval('#save-atlas', button => button.hidden), !visit.atlas);
   if (!visit.atlas) return;
   visit.agrees = question;
-  await visit.page.evaluate(() => { document.getElementById('message').textContent = ''; }); await visit.page.click('#save-atlas');
+  await visit.page.evaluate(() => { document.getElementById('message').textContent = ''; });
+  await visit.page.click('#save-atlas');
   await visit.page.waitForFunction(() => document.getElementById('message').textContent ===
     'The lesson is saved in native.atlas.', {timeout: kPatience});
   const {scenes: stored} = JSON.parse(execFileSync(player, ['info', visit.atlas, '--json']));
@@ -319,8 +365,10 @@ async function saveIntoAtlas(visit, scenes, question) {
 /** With texts of 300 %, every control can be scrolled to, whole or above all of the window, and nothing covers it. */
 async function largeText(visit) {
   for (const tab of ['structures', 'cutting', 'recording', 'quiz', 'display']) {
-    await visit.page.select('#text-size', '3'); await visit.page.$eval(`#tab-${tab}`, button => button.click());
-    await visit.page.evaluate(() => new Promise(resolve => { setTimeout(resolve, 300); })); await visit.hasNoOverflow();
+    await visit.page.select('#text-size', '3');
+    await visit.page.$eval(`#tab-${tab}`, button => button.click());
+    await visit.page.evaluate(() => new Promise(resolve => { setTimeout(resolve, 300); }));
+    await visit.hasNoOverflow();
     const faults = await visit.page.$$eval('button, input, select, textarea', all => all.filter(each => {
       if (!each.checkVisibility()) return false;
       each.scrollIntoView({block: 'center'});
@@ -330,33 +378,45 @@ async function largeText(visit) {
     }).map(each => each.id || each.textContent || each.ariaLabel));
     assert.deepStrictEqual(faults, [], tab);
   }
-  await visit.picture(`text_${visit.viewport.width}`); await visit.page.select('#text-size', '1');
+  await visit.picture(`text_${visit.viewport.width}`);
+  await visit.page.select('#text-size', '1');
 }
 
 async function onDesk(visit, url) {
   const {page} = visit;
-  await visit.open(url); await visit.picture('desk');
+  await visit.open(url);
+  await visit.picture('desk');
   assert.strictEqual(await page.evaluate(() => crossOriginIsolated), false);
-  await visit.changes('scene', () => page.keyboard.press('n'));
-  assert.match(await visit.text('#place'), /^2 of/); await visit.picture('desk_scene'); await ask(visit);
-  await quiz(visit); await record(visit); await visit.changes('scene', () => page.keyboard.press('p'));
+  await visit.changesBy('n');
+  assert.match(await visit.text('#place'), /^2 of/);
+  await visit.picture('desk_scene');
+  for (const part of [ask, quiz, record]) await part(visit);
+  await visit.changesBy('p');
   await visit.changes('drag', () => drag(visit));
   await visit.changes('wheel', () => page.mouse.wheel({deltaY: -200}));
-  await search(visit); await edit(visit); await point(visit); await restore(visit); await slices(visit);
-  await buttonsAreInside(visit, [[1280, 720], [1920, 1080], [3840, 2160]]); await goBack(visit);
-  await page.click('#tab-cutting'); await visit.changes('cut', () => page.select('#cuts select', 'high'));
-  await visit.picture('desk_cut'); await display(visit); await largeText(visit); await talk(visit);
+  for (const part of [search, edit, point, restore, slices]) await part(visit);
+  await buttonsAreInside(visit, [[1280, 720], [1920, 1080], [3840, 2160]]);
+  await goBack(visit);
+  await page.click('#tab-cutting');
+  await visit.changes('cut', () => page.select('#cuts select', 'high'));
+  await visit.picture('desk_cut');
+  for (const part of [display, largeText, talk]) await part(visit);
   return page.url();
 }
 
 async function onPhone(visit, url) {
-  await visit.open(url); await visit.picture('phone'); await visit.hasNoOverflow();
-  await visit.changes('scene', () => visit.page.tap('#next')); await visit.picture('phone_scene');
+  await visit.open(url);
+  await visit.picture('phone');
+  await visit.hasNoOverflow();
+  await visit.changes('scene', () => visit.page.tap('#next'));
+  await visit.picture('phone_scene');
   await buttonsAreInside(visit, [[390, 844]]);
   await visit.changes('view', () => visit.page.tap('#views button:nth-child(5)'));
   const {height} = await (await visit.page.$('#canvas')).boundingBox();
   assert.ok(height >= 0.6 * kPhone.height, `picture of ${height} pixels`);
-  await visit.page.tap('#tab-cutting'); await visit.picture('phone_cuts'); await visit.page.tap('#tab-cutting');
+  await visit.page.tap('#tab-cutting');
+  await visit.picture('phone_cuts');
+  await visit.page.tap('#tab-cutting');
   await visit.page.waitForSelector('#cutting', {hidden: true, timeout: kPatience});
   await largeText(visit);
 }
@@ -364,7 +424,8 @@ async function onPhone(visit, url) {
 /** Opens a link of the page: the same state. Bad links give a message, and the opening picture or what was there. */
 async function byLink(visit, link) {
   const {page} = visit;
-  await visit.open(link); assert.strictEqual(page.url(), link);
+  await visit.open(link);
+  assert.strictEqual(page.url(), link);
   for (const bad of ['select=no+such+thing&view=1,2,x', 'select=*:surface&view=0,0,1,1e300,0,0',
     'select=*:surface&cuts=1e300,0,0,1']) {
     await page.goto('about:blank');
@@ -383,16 +444,21 @@ async function byLink(visit, link) {
 async function goBack(visit) {
   const {page} = visit;
   const picture = () => page.evaluate(textOfCanvas);
-  await page.keyboard.press('p'); await visit.changes('scene', () => page.keyboard.press('p'));
+  await page.keyboard.press('p');
+  await visit.changesBy('p');
   const scene = await picture();
   await visit.changes('scene', async () => {
-    await page.keyboard.press('n'); await page.keyboard.press('n');
+    await page.keyboard.press('n');
+    await page.keyboard.press('n');
   });
-  await page.keyboard.press('u'); await visit.changes('undo', () => page.keyboard.press('u'));
+  await page.keyboard.press('u');
+  await visit.changesBy('u');
   assert.strictEqual(await picture(), scene);
 
-  await page.click('#tab-structures'); await visit.changes('hide', () => page.click('#tree .eye'));
-  assert.match(await visit.text('#place'), /changed/); await visit.changes('show', () => page.click('#tree .eye'));
+  await page.click('#tab-structures');
+  await visit.changesBy('#tree .eye');
+  assert.match(await visit.text('#place'), /changed/);
+  await visit.changesBy('#tree .eye');
   assert.strictEqual(await picture(), scene);
 
   await page.click('#tab-display');
@@ -400,17 +466,20 @@ async function goBack(visit) {
   await page.click('#apply-text');
   await page.waitForFunction(() => !document.getElementById('message').hidden, {timeout: kPatience});
   assert.strictEqual(await page.$eval('#selection-text', box => box.value), 'no such thing');
-  await page.evaluate(() => window.splatlas.idle()); assert.strictEqual(await picture(), scene);
+  await page.evaluate(() => window.splatlas.idle());
+  assert.strictEqual(await picture(), scene);
 }
 
 /** A page whose atlas is cut short tells so, and keeps its opening picture. */
 async function onDamage(visit) {
-  const html = fs.readFileSync(file, 'utf8'); const tag = 'id="atlas" data-url="">';
+  const html = fs.readFileSync(file, 'utf8');
+  const tag = 'id="atlas" data-url="">';
   const begin = html.indexOf(tag) + tag.length;
   const half = 4 * Math.floor((html.indexOf('</script>', begin) - begin) / 8);
   const damaged = path.resolve(folder, 'damaged.html');
   fs.writeFileSync(damaged, html.slice(0, begin + half) + html.slice(html.indexOf('</script>', begin)));
-  await visit.page.setViewport(visit.viewport); await visit.page.goto(pathToFileURL(damaged).href);
+  await visit.page.setViewport(visit.viewport);
+  await visit.page.goto(pathToFileURL(damaged).href);
   await visit.page.waitForFunction(() => document.body.dataset.stopped === 'true', {timeout: kPatience});
   assert.match(await visit.text('#message'), /atlas/);
   assert.strictEqual(await visit.page.$eval('#opening-picture', image => image.hidden), false);
@@ -421,10 +490,13 @@ async function onDamage(visit) {
 async function onServer(newPage, ranges) {
   const server = await serve(path.join(folder, 'site'), {ranges});
   const visit = new Visit(await newPage(), kDesk, server.url);
-  await visit.open(server.url); await visit.changes('scene', () => visit.page.keyboard.press('n'));
-  await visit.changes('show all', () => visit.page.click('#show-all'));
+  await visit.open(server.url);
+  await visit.changesBy('n');
+  await visit.changesBy('#show-all');
   await visit.picture(ranges ? 'site' : 'site_whole');
-  assert.deepStrictEqual(visit.messages, []); await visit.page.close(); server.close();
+  assert.deepStrictEqual(visit.messages, []);
+  await visit.page.close();
+  server.close();
 }
 
 /** A click while pieces are under way waits for them, and the new scene stays. */
@@ -432,30 +504,41 @@ async function onSlowServer(newPage) {
   const server = await serve(path.join(folder, 'site'), {ranges: true, delay: 300});
   const visit = new Visit(await newPage(), kDesk, server.url);
   const {page} = visit;
-  await visit.open(server.url); const [x, y] = await middleOf(visit);
+  await visit.open(server.url);
+  const [x, y] = await middleOf(visit);
   await visit.changes('scene', async () => {
-    await page.keyboard.press('n'); await page.mouse.click(x, y);
+    await page.keyboard.press('n');
+    await page.mouse.click(x, y);
   });
   await page.waitForFunction(() => document.querySelector('#picked strong'), {timeout: kPatience});
-  assert.match(await visit.text('#place'), /^2 of/); assert.doesNotMatch(await visit.text('#message'), /not loaded/);
-  assert.deepStrictEqual(visit.messages, []); await page.close(); server.close();
+  assert.match(await visit.text('#place'), /^2 of/);
+  assert.doesNotMatch(await visit.text('#message'), /not loaded/);
+  assert.deepStrictEqual(visit.messages, []);
+  await page.close();
+  server.close();
 }
 
 /** The page of the program that has the engine, which ends with its page. */
 async function onNative(browser) {
-  const copy = path.join(folder, 'native.atlas'); fs.copyFileSync(atlas, copy);
+  const copy = path.join(folder, 'native.atlas');
+  fs.copyFileSync(atlas, copy);
   const program = spawn(player, [copy, '--no-browser'], {stdio: ['ignore', 'pipe', 'inherit']});
-  const ended = once(program, 'exit'); const [line] = await once(program.stdout, 'data');
-  const [address] = String(line).split('\n'); const site = new URL('/', address).href;
+  const ended = once(program, 'exit');
+  const [line] = await once(program.stdout, 'data');
+  const [address] = String(line).split('\n');
+  const site = new URL('/', address).href;
   const context = await browser.createBrowserContext();
   let link = '';
   for (const [viewport, run] of [[kDesk, async visit => { link = await onDesk(visit, address); }],
     [kPhone, visit => onPhone(visit, site)], [kDesk, visit => byLink(visit, link)]]) {
     const visit = Object.assign(new Visit(await context.newPage(), viewport, site), {atlas: copy});
-    await run(visit); assert.deepStrictEqual(visit.messages, []); assert(!visit.page.url().includes('token'));
+    await run(visit);
+    assert.deepStrictEqual(visit.messages, []);
+    assert(!visit.page.url().includes('token'));
     await visit.page.close();
   }
-  const [status] = await ended; assert.strictEqual(status, 0);
+  const [status] = await ended;
+  assert.strictEqual(status, 0);
 }
 
 async function main() {
@@ -469,10 +552,14 @@ async function main() {
     let link = '';
     for (const [viewport, run] of [[kDesk, async (visit, at) => { link = await onDesk(visit, at); }],
       [kPhone, onPhone], [kDesk, visit => byLink(visit, link)], [kDesk, onDamage]]) {
-      const visit = new Visit(await newPage(), viewport); await run(visit, url);
-      assert.deepStrictEqual(visit.messages, []); await visit.page.close();
+      const visit = new Visit(await newPage(), viewport);
+      await run(visit, url);
+      assert.deepStrictEqual(visit.messages, []);
+      await visit.page.close();
     }
-    await onServer(newPage, true); await onServer(newPage, false); await onSlowServer(newPage);
+    await onServer(newPage, true);
+    await onServer(newPage, false);
+    await onSlowServer(newPage);
     await onNative(browser);
   } finally {
     await browser.close();
@@ -483,5 +570,6 @@ async function main() {
 main().then(
   status => process.exit(status),
   error => {
-    console.error(error); process.exit(1);
+    console.error(error);
+    process.exit(1);
   });

@@ -1,7 +1,9 @@
 // node check_model.js SOURCE: the model of the page: its search over the names of the Colin 27 brain, and its steps. SOURCE
 // is the project's folder.
 'use strict';
-const assert = require('node:assert'); const fs = require('node:fs'); const path = require('node:path');
+const assert = require('node:assert');
+const fs = require('node:fs');
+const path = require('node:path');
 
 const read = file => fs.readFileSync(path.join(process.argv[2], file), 'utf8');
 const Model = new Function(`${read('player/web/page/model.js')}; return Model;`)();

@@ -5,7 +5,9 @@
 //   hostile    atlases with right checksums and wrong contents do as they do natively, never trap
 // Exit status 77: there is no module.
 'use strict';
-const assert = require('node:assert'); const fs = require('node:fs'); const path = require('node:path');
+const assert = require('node:assert');
+const fs = require('node:fs');
+const path = require('node:path');
 require('../../../player/web/splatlas.js');
 
 const kImports = ['wasi_snapshot_preview1.clock_time_get', 'wasi_snapshot_preview1.proc_exit'];

@@ -4,8 +4,11 @@
 // nothing outside. Markup in texts of an atlas is inert. Wrong usage and damage end with a message and no file.
 // Without MODULE, the program must tell what is missing; exit status 77.
 'use strict';
-const assert = require('node:assert'); const {spawnSync} = require('node:child_process');
-const crypto = require('node:crypto'); const fs = require('node:fs'); const path = require('node:path');
+const assert = require('node:assert');
+const {spawnSync} = require('node:child_process');
+const crypto = require('node:crypto');
+const fs = require('node:fs');
+const path = require('node:path');
 const zlib = require('node:zlib');
 
 const [player, wasm, atlases, folder] = process.argv.slice(2);

@@ -1,6 +1,8 @@
 // A static web server for tests, with or without range requests.
 'use strict';
-const fs = require('node:fs'); const http = require('node:http'); const path = require('node:path');
+const fs = require('node:fs');
+const http = require('node:http');
+const path = require('node:path');
 
 const kTypes = {'.html': 'text/html', '.atlas': 'application/octet-stream'};
 
