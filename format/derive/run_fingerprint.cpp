@@ -36,10 +36,6 @@ constexpr std::uint64_t power(std::uint64_t base, std::uint64_t exponent) {
   return result;
 }
 
-constexpr std::uint64_t inverse(std::uint64_t a) {
-  return power(a, kPrime - 2);
-}
-
 /// Voxels along an axis whose powers need no second table.
 constexpr unsigned kLowBits = 12;
 constexpr std::uint64_t kLow = std::uint64_t{1} << kLowBits;
@@ -65,7 +61,7 @@ bool is_fingerprint(std::uint64_t value) {
 RunFingerprinter::Powers::Powers(std::uint64_t step, std::int64_t side)
     : low_(powers_of(step, std::min<std::uint64_t>(static_cast<std::uint64_t>(side) + 1, kLow))),
       high_(powers_of(power(step, kLow), (static_cast<std::uint64_t>(side) >> kLowBits) + 1)),
-      series_factor_(inverse(subtract(step, 1))) {}
+      series_factor_(power(subtract(step, 1), kPrime - 2)) {}
 
 std::uint64_t RunFingerprinter::Powers::of(std::uint64_t n) const {
   const std::uint64_t low = low_[n % kLow];

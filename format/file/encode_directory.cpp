@@ -12,39 +12,23 @@ namespace {
 TextWriter write_text(const Directory& directory) {
   TextWriter text;
   const Provenance& provenance = directory.provenance;
-  for (const auto* part : {&provenance.title, &provenance.citation, &provenance.licence, &provenance.tool}) {
-    text.add(*part);
-  }
-  for (const Structure& structure : directory.graph.structures()) {
-    text.add(structure.id);
-    text.add(structure.name);
-  }
-  for (const Scene& scene : directory.scenes) {
-    text.add(scene.name);
-    text.add(scene.caption);
-    text.add(scene.selection);
-  }
-  for (const Source& source : provenance.sources) {
-    text.add(source.role);
-    text.add(source.hash);
-  }
+  text.add({provenance.title, provenance.citation, provenance.licence, provenance.tool});
+  for (const Structure& structure : directory.graph.structures()) text.add({structure.id, structure.name});
+  for (const Scene& scene : directory.scenes) text.add({scene.name, scene.caption, scene.selection});
+  for (const Source& source : provenance.sources) text.add({source.role, source.hash});
   return text;
 }
 
 TextWriter write_scene_text(const std::vector<Scene>& scenes) {
   TextWriter text;
-  for (const Scene& scene : scenes) {
-    for (const auto* part : {&scene.question, &scene.cuts, &scene.center}) text.add(*part);
-  }
+  for (const Scene& scene : scenes) text.add({scene.question, scene.cuts, scene.center});
   return text;
 }
 
 TextWriter write_scene_views(const std::vector<Scene>& scenes) {
   TextWriter text;
-  for (const Scene& scene : scenes) {
-    text.add(scene.perspective ? kPerspective : "");
-    text.add(fmt::format("{}", fmt::join(scene.labels, "\n")));
-  }
+  for (const Scene& scene : scenes)
+    text.add({scene.perspective ? kPerspective : "", fmt::format("{}", fmt::join(scene.labels, "\n"))});
   return text;
 }
 
@@ -63,10 +47,7 @@ StructureTable write_structures(const StructureGraph& graph) {
     const int flags = (s.label ? kFlagLabel : 0) | (s.external ? kFlagExternal : 0);
     table.structures.emplace_back(s.label.value_or(0), static_cast<std::uint32_t>(table.parents.size()),
                                   to_span(rgb), static_cast<std::uint8_t>(flags));
-    for (const Term& term : s.terms) {
-      table.term_text.add(term.vocabulary);
-      table.term_text.add(term.value);
-    }
+    for (const Term& term : s.terms) table.term_text.add({term.vocabulary, term.value});
     table.terms_end.push_back(static_cast<std::uint32_t>(table.term_text.ends().size() / 2));
   }
   return table;

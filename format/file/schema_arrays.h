@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -37,9 +38,11 @@ inline constexpr std::string_view kPerspective = "perspective";
 /// Concatenates strings.
 class TextWriter {
  public:
-  void add(std::string_view text) {
-    bytes_.insert(bytes_.end(), text.begin(), text.end());
-    ends_.push_back(static_cast<std::uint32_t>(bytes_.size()));
+  void add(std::initializer_list<std::string_view> texts) {
+    for (const std::string_view text : texts) {
+      bytes_.insert(bytes_.end(), text.begin(), text.end());
+      ends_.push_back(static_cast<std::uint32_t>(bytes_.size()));
+    }
   }
   [[nodiscard]] const std::vector<std::uint8_t>& bytes() const { return bytes_; }
   [[nodiscard]] const std::vector<std::uint32_t>& ends() const { return ends_; }

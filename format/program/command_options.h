@@ -86,7 +86,9 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value,
 
 /// Binds --surfaces to a rule or choice of surfaces.
 template <typename Surfaces>
-CLI::Option* add_surfaces(CLI::App& app, Surfaces& surfaces, const std::string& help) {
+CLI::Option* add_surfaces(
+    CLI::App& app, Surfaces& surfaces,
+    const std::string& help = "surfaces that follow from the voxels; as in the atlas if not given") {
   return add_choice(app, "--surfaces", surfaces,
                     {{"smooth", Surfaces::kSmooth}, {"voxels", Surfaces::kVoxels}}, help);
 }

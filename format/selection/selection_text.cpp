@@ -188,13 +188,6 @@ OptionResult read_end(std::string_view value, std::string_view name, std::option
   return fault(std::move(what));
 }
 
-OptionResult read_low(std::string_view value, SelectionTerm& term) {
-  return read_end(value, "low", term.low, term);
-}
-OptionResult read_high(std::string_view value, SelectionTerm& term) {
-  return read_end(value, "high", term.high, term);
-}
-
 /// Parses "grey:opacity" or "grey:opacity:shade".
 std::optional<TransferPoint> point_of(std::string_view text) {
   const auto part = [&text] {
@@ -257,9 +250,11 @@ constexpr std::array<SelectionOption, 7> kOptions{{
      [](const OptionTerm& t) { return to_hex(*t.color); }},
     {"profile", [](const OptionTerm& t) { return t.profile.has_value(); }, read_profile,
      [](const OptionTerm& t) { return std::string(name_of(*t.profile)); }},
-    {"low", [](const OptionTerm& t) { return t.low.has_value(); }, read_low,
+    {"low", [](const OptionTerm& t) { return t.low.has_value(); },
+     [](std::string_view value, OptionTerm& t) { return read_end(value, "low", t.low, t); },
      [](const OptionTerm& t) { return fmt::format("{}", *t.low); }},
-    {"high", [](const OptionTerm& t) { return t.high.has_value(); }, read_high,
+    {"high", [](const OptionTerm& t) { return t.high.has_value(); },
+     [](std::string_view value, OptionTerm& t) { return read_end(value, "high", t.high, t); },
      [](const OptionTerm& t) { return fmt::format("{}", *t.high); }},
     {"curve", [](const OptionTerm& t) { return t.curve != nullptr; }, read_curve, write_curve},
 }};

@@ -93,13 +93,11 @@ Result<HtmlPage> draw_page(const ExportRequest& request, const std::shared_ptr<c
     opening.select = "*:surface";
     drawn = draw(atlas, opening);
   }
-  SPLATLAS_ASSIGN_OR_RETURN(std::vector<std::byte> picture, std::move(drawn));
-  HtmlPage page;
-  page.title = atlas->provenance().title;
-  page.caption = opening.caption;
-  page.opening = json_of(opening);
-  page.picture = std::move(picture);
-  return page;
+  if (!drawn) return tl::unexpected(std::move(drawn).error());
+  return HtmlPage{.title = atlas->provenance().title,
+                  .caption = opening.caption,
+                  .opening = json_of(opening),
+                  .picture = *std::move(drawn)};
 }
 
 Result<void> write_page(const ExportRequest& request) {

@@ -68,18 +68,10 @@ sigset_t block_end_signals() {
 
 Result<std::string> served_page(const Atlas& atlas) {
   SPLATLAS_ASSIGN_OR_RETURN(const Opening opening, opening_of({}, atlas));
-  HtmlPage page;
-  page.is_served = true;
-  page.title = atlas.provenance().title;
-  page.caption = opening.caption;
-  page.opening = json_of(opening);
-  return encode_html(page);
-}
-
-void wait_for_the_end(const PageServer& server, const sigset_t& signals) {
-  constexpr timespec kPause{.tv_sec = 0, .tv_nsec = 200'000'000};
-  while (!server.is_left() && sigtimedwait(&signals, nullptr, &kPause) < 0) {
-  }
+  return encode_html({.is_served = true,
+                      .title = atlas.provenance().title,
+                      .caption = opening.caption,
+                      .opening = json_of(opening)});
 }
 
 }  // namespace
@@ -102,7 +94,9 @@ Result<void> play(const PlayRequest& request) {
                                                                   request.port, std::move(lesson)}));
   SPLATLAS_RETURN_IF_ERROR(print_text(PrintableText("{}\n", server->address())));
   if (!request.no_browser) open_browser(server->address_with_ticket());
-  wait_for_the_end(*server, signals);
+  constexpr timespec kPause{.tv_sec = 0, .tv_nsec = 200'000'000};
+  while (!server->is_left() && sigtimedwait(&signals, nullptr, &kPause) < 0) {
+  }
   if (server->missing().empty()) return {};
   return fail(ErrorCode::kInvalidAtlas, "{}: damaged; was shown without what is missing: {}",
               request.atlas.filename().string(), server->missing());

@@ -189,15 +189,6 @@ Result<void> check_order(const CommandLine& line) {
   return {};
 }
 
-/// Refuses unknown values of SPLATLAS_SIMD and instruction sets that the machine lacks.
-Result<void> check_simd() {
-  if (simd_is_available()) return {};
-  return fail(
-      ErrorCode::kUsage,
-      "SPLATLAS_SIMD={} in the environment: must be scalar, sse4, avx2 or avx512, and one of the machine's",
-      forced_simd());
-}
-
 Result<void> run_command(const CommandLine& line) {
   if (line.render->parsed()) {
     install_interrupt_handlers();
@@ -247,7 +238,11 @@ Result<void> run(int argc, char** argv) {
     return wrong_usage(line.app, error.what());
   }
   SPLATLAS_RETURN_IF_ERROR(check_order(line));
-  SPLATLAS_RETURN_IF_ERROR(check_simd());
+  if (!simd_is_available())
+    return fail(
+        ErrorCode::kUsage,
+        "SPLATLAS_SIMD={} in the environment: must be scalar, sse4, avx2 or avx512, and one of the machine's",
+        forced_simd());
   SPLATLAS_RETURN_IF_ERROR(
       run_on_file(file_of(line), "take a smaller --size or select less", [&] { return run_command(line); }));
   return finish_standard_output();

@@ -242,8 +242,7 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
   add_annotations(*command, request.page);
   add_threads(*command, request.renderer.threads, "0: one per core; the picture does not depend on it");
   add_memory(*command, request.renderer.max_memory_bytes);
-  add_surfaces(*command, request.atlas_options.surfaces,
-               "surfaces that follow from the voxels; as in the atlas if not given");
+  add_surfaces(*command, request.atlas_options.surfaces);
   add_max_work(*command, request.atlas_options.max_work);
   add_parsed(*command, "--stats", request.stats, non_empty<std::filesystem::path>, "must name a file",
              "JSON file to write: voxels visited, bytes read, times");

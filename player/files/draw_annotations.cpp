@@ -30,10 +30,6 @@ double to_code(double linear) {
   return encode_srgb(std::clamp(linear, 0.0, 1.0));
 }
 
-Rgb3 codes_of(Rgb color) {
-  return {color.r / 255.0, color.g / 255.0, color.b / 255.0};
-}
-
 /// Canvas on a picture. Pixels are converted one by one.
 class Canvas {
  public:
@@ -47,7 +43,7 @@ class Canvas {
         &picture_.rgba[4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) +
                             static_cast<std::size_t>(x))];
     const double under = (1 - share) * alpha_over_background(pixel), alpha = share + under;
-    const Rgb3 over = codes_of(color);
+    const Rgb3 over{color.r / 255.0, color.g / 255.0, color.b / 255.0};
     for (std::size_t c = 0; c < 3; ++c) {
       const double below = straight_code(pixel, c);
       pixel[c] = static_cast<float>(alpha * decode_srgb((share * over[c] + under * below) / alpha));

@@ -231,18 +231,20 @@ class Drawing {
   Frame frame_;
 };
 
-/// An array of the values that `of` takes from the frame of a Drawing, without a copy; None if it has none.
+/// A property of a Drawing: an array of the values that `of` takes from its frame, without a copy, or None.
 template <typename Of>
-py::object pixels(const py::object& drawing, py::ssize_t channels, const Of& of) {
-  const auto& self = drawing.cast<const Drawing&>();
-  const auto& values = of(self.frame());
-  if (values.empty()) return py::none();
-  Shape shape = self.shape();
-  if (channels > 1) shape.push_back(channels);
-  using T = typename std::decay_t<decltype(values)>::value_type;
-  py::array array(py::dtype::of<T>(), std::move(shape), values.data(), drawing);
-  array.attr("setflags")(py::arg("write") = false);
-  return array;
+py::cpp_function pixels(const Of& of, py::ssize_t channels = 1) {
+  return [channels, of](const py::object& drawing) -> py::object {
+    const auto& self = drawing.cast<const Drawing&>();
+    const auto& values = of(self.frame());
+    if (values.empty()) return py::none();
+    Shape shape = self.shape();
+    if (channels > 1) shape.push_back(channels);
+    using T = typename std::decay_t<decltype(values)>::value_type;
+    py::array array(py::dtype::of<T>(), std::move(shape), values.data(), drawing);
+    array.attr("setflags")(py::arg("write") = false);
+    return array;
+  };
 }
 
 /// [structure]: one of these or a descendant.
@@ -351,20 +353,10 @@ void define_drawing(py::module_& module) {
       .def("png", &Drawing::png)
       .def("save", &Drawing::save)
       .def("pick", &Drawing::pick)
-      .def_property_readonly("linear",
-                             [](const py::object& self) {
-                               return pixels(
-                                   self, 4, [](const Frame& frame) -> auto& { return frame.picture.rgba; });
-                             })
-      .def_property_readonly("ids",
-                             [](const py::object& self) {
-                               return pixels(
-                                   self, 1, [](const Frame& frame) -> auto& { return frame.ids.numbers; });
-                             })
-      .def_property_readonly("depth", [](const py::object& self) {
-        return pixels(
-            self, 1, [](const Frame& frame) -> auto& { return frame.depths.mm; });
-      });
+      .def_property_readonly("linear", pixels(
+                                           [](const Frame& f) -> auto& { return f.picture.rgba; }, 4))
+      .def_property_readonly("ids", pixels([](const Frame& f) -> auto& { return f.ids.numbers; }))
+      .def_property_readonly("depth", pixels([](const Frame& f) -> auto& { return f.depths.mm; }));
 }
 
 PYBIND11_MODULE(_engine, module) {

@@ -13,13 +13,13 @@
 namespace splatlas {
 
 struct HtmlPage {
-  std::span<const std::byte> atlas;  ///< bytes of the file; empty: at the url, or in the server
-  std::string url;                   ///< of the file, relative to the page, percent-encoded
-  bool is_served = false;            ///< by a PageServer, which has the engine
-  std::string title;                 ///< any text; empty: a general one
-  std::string caption;               ///< any text, of the opening picture
-  std::string opening;               ///< JSON: the selection and the camera of the opening picture
-  std::vector<std::byte> picture;    ///< the opening picture as WebP; empty: none
+  std::span<const std::byte> atlas = {};  ///< bytes of the file; empty: at the url, or in the server
+  std::string url = {};                   ///< of the file, relative to the page, percent-encoded
+  bool is_served = false;                 ///< by a PageServer, which has the engine
+  std::string title;                      ///< any text; empty: a general one
+  std::string caption;                    ///< any text, of the opening picture
+  std::string opening;                    ///< JSON: the selection and the camera of the opening picture
+  std::vector<std::byte> picture = {};    ///< the opening picture as WebP; empty: none
 };
 
 /// The bytes of the file. Texts are escaped; the content security policy allows the page's own script, style

@@ -41,19 +41,6 @@ Json structure_json(const Atlas& atlas, StructureIndex s, const SubtreeCounts& c
   return json;
 }
 
-Json display_json(const Display& display) {
-  return {{"window", {display.window_low, display.window_high}},
-          {"center_lps_mm", display.center_lps_mm},
-          {"radius_mm", display.radius_mm}};
-}
-
-Json views_json() {
-  Json json;
-  for (const ViewAngles& view : kViewAngles)
-    json.push_back({{"name", view.name}, {"azimuth", view.azimuth_deg}, {"elevation", view.elevation_deg}});
-  return json;
-}
-
 template <typename T>
 T value_at(const Json& json, const char* key, T otherwise) {
   const auto found = json.find(key);
@@ -152,8 +139,13 @@ std::string info_json(const Atlas& atlas) {
   for (const SectionSize& section : atlas.sections()) {
     json["sections"].push_back({{"name", section.name}, {"bytes", section.bytes}});
   }
-  json["display"] = display_json(atlas.display());
-  json["views"] = views_json();
+  const Display& display = atlas.display();
+  json["display"] = {{"window", {display.window_low, display.window_high}},
+                     {"center_lps_mm", display.center_lps_mm},
+                     {"radius_mm", display.radius_mm}};
+  for (const ViewAngles& view : kViewAngles)
+    json["views"].push_back(
+        {{"name", view.name}, {"azimuth", view.azimuth_deg}, {"elevation", view.elevation_deg}});
   json["scenes"] = Json::array();
   for (const Scene& scene : atlas.scenes()) json["scenes"].push_back(scene_json(scene, atlas));
   const Provenance& provenance = atlas.provenance();

@@ -94,8 +94,7 @@ CLI::App* add_export(CLI::App& app, ExportOptions& options) {
              "table of --names")
       ->needs("--names");
   command->add_option("--tree", options.tree, "hierarchy to write, as paths")->check(names_a_file());
-  add_surfaces(*command, options.atlas_options.surfaces,
-               "surfaces that follow from the voxels; as in the atlas if not given");
+  add_surfaces(*command, options.atlas_options.surfaces);
   add_max_work(*command, options.atlas_options.max_work);
   return command;
 }

@@ -29,13 +29,12 @@ std::string check_text(const std::string& text) {
 }
 
 /// X,Y,Z in mm.
-Result<Vec3> parse_spacing(std::string_view text) {
+std::optional<Vec3> parse_spacing(std::string_view text) {
   const std::vector<std::string_view> parts = split(text, ',');
   Vec3 spacing{};
   for (std::size_t n = 0; n < 3 && parts.size() == 3; ++n) spacing[n] = parse_number(parts[n]).value_or(0);
-  if (std::ranges::all_of(spacing, [](double mm) { return mm >= kMinSpacingMm && mm <= kMaxSpacingMm; }))
-    return spacing;
-  return fail(ErrorCode::kUsage, "--spacing {}: must be X,Y,Z, three lengths in mm above 0", in_quotes(text));
+  const auto is_length = [](double mm) { return mm >= kMinSpacingMm && mm <= kMaxSpacingMm; };
+  return std::ranges::all_of(spacing, is_length) ? std::optional(spacing) : std::nullopt;
 }
 
 void add_sources(CLI::App& build, SourceFiles& sources) {
@@ -70,14 +69,9 @@ void add_sources(CLI::App& build, SourceFiles& sources) {
              "the grid that stays where labels and volume have different ones")
       ->needs("--labels")
       ->needs("--volume");
-  build.add_option_function<std::string>(
-      "--spacing",
-      [&sources](const std::string& text) {
-        const Result<Vec3> spacing = parse_spacing(text);
-        if (!spacing) throw CLI::ValidationError(spacing.error().message);
-        sources.spacing_mm = *spacing;
-      },
-      "X,Y,Z in mm: size of the voxels of TIFF and PNG pictures");
+  add_parsed(build, "--spacing", sources.spacing_mm, parse_spacing,
+             "must be X,Y,Z, three lengths in mm above 0",
+             "X,Y,Z in mm: size of the voxels of TIFF and PNG pictures");
   build.add_option("--names", sources.names, "names of the labels, or of surfaces")->check(names_a_file());
   Choices<NamesFormat> formats{{"auto", NamesFormat::kAuto}};
   for (const NamesFormatInfo& info : names_formats()) formats.emplace_back(info.option, info.format);
@@ -121,15 +115,6 @@ Result<std::filesystem::path> take_standard_input(std::optional<OutputFolder>& f
   }));
   if (std::ferror(stdin) != 0) return fail(ErrorCode::kFailed, "standard input: cannot be read");
   return path;
-}
-
-Result<void> print_summary(const BuildReport& report, const std::filesystem::path& output) {
-  double seconds = 0;
-  for (const auto& stage : report.stages) seconds += stage.seconds;
-  return print_text(
-      PrintableText("{}: {} structure{}, {} classes, {} + {} + {} runs, {} triangles, {} bytes, {:.2f} s\n",
-                    output, report.structures, report.structures == 1 ? "" : "s", report.classes,
-                    report.runs[0], report.runs[1], report.runs[2], report.triangles, report.bytes, seconds));
 }
 
 }  // namespace
@@ -204,7 +189,12 @@ Result<void> run_build(const BuildRequest& request) {
     }
   }
   if (!report) return tl::unexpected(report.error());
-  return print_summary(*report, options.output);
+  double seconds = 0;
+  for (const auto& stage : report->stages) seconds += stage.seconds;
+  return print_text(PrintableText(
+      "{}: {} structure{}, {} classes, {} + {} + {} runs, {} triangles, {} bytes, {:.2f} s\n", options.output,
+      report->structures, report->structures == 1 ? "" : "s", report->classes, report->runs[0],
+      report->runs[1], report->runs[2], report->triangles, report->bytes, seconds));
 }
 
 }  // namespace splatlas

@@ -24,18 +24,16 @@ Affine index_map(const Grid& to, const Grid& from) {
   return map;
 }
 
-Vec3 as_vector(std::int64_t i, std::int64_t j, std::int64_t k) {
-  return {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
-}
-
 /// Calls visit(v, index) for every voxel v of `grid`, slices in parallel.
 template <typename Visit>
 void for_each_voxel(const Grid& grid, const Affine& map, const Visit& visit) {
   parallel_for(static_cast<std::size_t>(grid.size[2]), 0, [&](std::size_t slice) {
     const auto k = static_cast<std::int64_t>(slice);
     for (std::int64_t j = 0; j < grid.size[1]; ++j) {
-      for (std::int64_t i = 0; i < grid.size[0]; ++i)
-        visit(static_cast<std::size_t>(grid.offset(i, j, k)), map.apply(as_vector(i, j, k)));
+      for (std::int64_t i = 0; i < grid.size[0]; ++i) {
+        const Vec3 voxel{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
+        visit(static_cast<std::size_t>(grid.offset(i, j, k)), map.apply(voxel));
+      }
     }
   });
 }

@@ -56,12 +56,8 @@ class VertexFinder {
   std::vector<std::pair<std::size_t, std::uint32_t>> found_;
 };
 
-Triangle smallest_rotation(const Triangle& t) {
-  return std::min({t, Triangle{t[1], t[2], t[0]}, Triangle{t[2], t[0], t[1]}});
-}
-
 std::vector<Triangle> as_set(std::vector<Triangle> triangles) {
-  for (Triangle& triangle : triangles) triangle = smallest_rotation(triangle);
+  for (Triangle& t : triangles) t = std::min({t, Triangle{t[1], t[2], t[0]}, Triangle{t[2], t[0], t[1]}});
   std::ranges::sort(triangles);
   return triangles;
 }
