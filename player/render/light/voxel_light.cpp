@@ -1,7 +1,7 @@
 #include "player/render/light/voxel_light.h"
 
 #include <limits>
-#include <set>
+#include <map>
 #include <span>
 #include <utility>
 #include <vector>
@@ -47,29 +47,30 @@ GradientScale scale_of(const Grid& grid) {
   return scale;
 }
 
-bool holds(const ClassTable& classes, ClassId c, StructureIndex structure) {
-  return std::ranges::any_of(classes.members(c),
-                             [&](const Membership& m) { return m.structure == structure && m.holds(); });
-}
-
 /// Divides the structures of classes that are lit anew into passes. Overlaps alone need more than one.
 std::vector<LightPass> passes_of(const DrawPlan& plan, const ClassTable& classes,
                                  const std::vector<ClassLight>& lights) {
-  std::set<StructureIndex> structures;
+  std::map<StructureIndex, std::vector<ClassId>> structures;  // and the drawn classes that they hold
   for (const ClassDraw& draw : plan.classes) {
-    if (lights[draw.id].anew) structures.insert(draw.volume_of);
+    if (lights[draw.id].anew) structures[draw.volume_of];
+  }
+  for (const ClassDraw& draw : plan.classes) {
+    if (!draws_volume(draw.role)) continue;
+    for (const Membership& m : classes.members(draw.id)) {
+      const auto known = m.holds() ? structures.find(m.structure) : structures.end();
+      if (known != structures.end()) known->second.push_back(draw.id);
+    }
   }
   std::vector<LightPass> passes;
-  for (const StructureIndex structure : structures) {
-    std::vector<ClassId> held;
-    for (const ClassDraw& draw : plan.classes) {
-      if (draws_volume(draw.role) && holds(classes, draw.id, structure)) held.push_back(draw.id);
-    }
+  for (const auto& [structure, held] : structures) {
     const auto has_room = [&](const LightPass& pass) {
       return std::ranges::all_of(held, [&](ClassId c) { return pass.structures[c] == 0; });
     };
     auto pass = std::ranges::find_if(passes, has_room);
-    if (pass == passes.end()) pass = passes.insert(pass, {std::vector<std::int32_t>(classes.size()), {}});
+    if (pass == passes.end()) {
+      check_memory(static_cast<double>(passes.size()) * static_cast<double>(classes.size()) * 4);
+      pass = passes.insert(pass, {std::vector<std::int32_t>(classes.size()), {}});
+    }
     for (const ClassId c : held) {
       pass->structures[c] = static_cast<std::int32_t>(structure) + 1;
       pass->box.include(classes.box(c));
