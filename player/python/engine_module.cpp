@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -38,8 +39,10 @@ struct Failure {
   Error error;
 };
 
+/// `subject` is for errors without one.
 template <typename T>
-T value_or_fail(Result<T> result) {
+T value_or_fail(Result<T> result, const std::string& subject = {}) {
+  if (!result && result.error().subject.empty()) result.error().subject = subject;
   if (!result) throw Failure{result.error()};
   if constexpr (!std::is_void_v<T>) return *std::move(result);
 }
@@ -70,31 +73,16 @@ py::array array_of(std::vector<T> values, const py::dtype& type, const Shape& sh
           owner};
 }
 
-py::array volume_of(VoxelBuffer buffer, const Grid& grid) {
+/// What `read` makes of the content without grey values: voxels in the order of the source.
+template <typename Read>
+py::array voxels(const Atlas& atlas, const Read& read) {
+  VoxelBuffer buffer = released([&] { return read(value_or_fail(atlas.read_classes(), atlas.name())); });
   const py::dtype type(name_of(buffer.type));
-  return array_of(std::move(buffer.bytes), type, {grid.size[0], grid.size[1], grid.size[2]}, true);
+  const auto& size = atlas.source_grid().size;
+  return array_of(std::move(buffer.bytes), type, {size[0], size[1], size[2]}, true);
 }
 
-/// Ends a picture on Ctrl+C. Asks the interpreter every 50 ms, as waiting for it takes time.
-class Interrupt {
- public:
-  RenderControl control() {
-    return {source_.get_token(), [this](double) {
-              if (is_requested()) return;  // an exception is pending
-              const auto now = std::chrono::steady_clock::now();
-              if (now - asked_ < std::chrono::milliseconds(50)) return;
-              asked_ = now;
-              const py::gil_scoped_acquire acquire;
-              if (PyErr_CheckSignals() != 0) source_.request_stop();
-            }};
-  }
-  [[nodiscard]] bool is_requested() const { return source_.stop_requested(); }
-
- private:
-  std::stop_source source_;
-  std::chrono::steady_clock::time_point asked_ = std::chrono::steady_clock::now();
-};
-
+/// An atlas and its renderer.
 class Player {
  public:
   Player(std::shared_ptr<const Atlas> atlas, const RendererOptions& renderer)
@@ -108,8 +96,7 @@ class Player {
 
   std::string call(const std::string& request) {
     const Turn turn(*this);
-    Interrupt interrupt;
-    return text_of(released([&] { return engine_.call(request, {}, interrupt.control()); }), interrupt);
+    return answer_of(request);
   }
 
   /// Draws, moves the picture to `frame`, and numbers its selection. `select` is the request's.
@@ -118,13 +105,9 @@ class Player {
     const Turn turn(*this);
     if (std::exchange(select_, select) != select) ++selections_;
     selection = selections_;
-    Interrupt interrupt;
-    PageAnswer answer = released([&] {
-      PageAnswer made = engine_.call(request, {}, interrupt.control());
-      if (made.status == 0) frame = engine_.take_frame(take_spare());
-      return made;
-    });
-    return text_of(std::move(answer), interrupt);
+    std::string answer = answer_of(request);
+    frame = engine_.take_frame(take_spare());
+    return answer;
   }
 
   [[nodiscard]] std::optional<Pick> pick(const Frame& frame, std::size_t selection, double x, double y) {
@@ -154,16 +137,27 @@ class Player {
       player.owner_ = std::this_thread::get_id();
     }
     ~Turn() { player_.owner_ = std::thread::id(); }
-    Turn(const Turn&) = delete;
-    Turn& operator=(const Turn&) = delete;
 
    private:
     Player& player_;
     std::unique_lock<std::timed_mutex> lock_;
   };
 
-  static std::string text_of(PageAnswer answer, const Interrupt& interrupt) {
-    if (interrupt.is_requested()) throw py::error_already_set();
+  /// The engine's answer. Ctrl+C ends the call: asks the interpreter every 50 ms, as waiting for it takes
+  /// time.
+  std::string answer_of(const std::string& request) {
+    std::stop_source stop;
+    auto asked = std::chrono::steady_clock::now();
+    const auto ask = [&](double) {
+      if (stop.stop_requested()) return;  // an exception is pending
+      const auto now = std::chrono::steady_clock::now();
+      if (now - asked < std::chrono::milliseconds(50)) return;
+      asked = now;
+      const py::gil_scoped_acquire acquire;
+      if (PyErr_CheckSignals() != 0) stop.request_stop();
+    };
+    PageAnswer answer = released([&] { return engine_.call(request, {}, {stop.get_token(), ask}); });
+    if (stop.stop_requested()) throw py::error_already_set();
     if (answer.status != 0)
       throw Failure{{static_cast<ErrorCode>(answer.status - 1), answer.text, answer.subject}};
     return std::move(answer.text);
@@ -185,12 +179,13 @@ class Player {
   Frame spare_;
 };
 
+/// A picture, and what it shows.
 class Drawing {
  public:
   Drawing(std::shared_ptr<Player> player, const std::string& request, const std::string& select,
           const std::optional<std::string>& background)
       : player_(std::move(player)) {
-    if (background) background_ = value_or_fail(parse_color(*background));
+    if (background) background_ = value_or_fail(parse_color(*background), "background");
     answer = player_->draw(request, select, frame_, selection_);
   }
   ~Drawing() { player_->recycle(std::move(frame_)); }
@@ -212,7 +207,7 @@ class Drawing {
   }
 
   void save(const std::string& path) const {
-    released([&] { value_or_fail(write_picture(frame_.picture, path, background_)); });
+    released([&] { value_or_fail(write_picture(frame_.picture, path, background_), path); });
   }
 
   [[nodiscard]] const Frame& frame() const { return frame_; }
@@ -231,20 +226,18 @@ class Drawing {
   Frame frame_;
 };
 
-/// A property of a Drawing: an array of the values that `of` takes from its frame, without a copy, or None.
-template <typename Of>
-py::cpp_function pixels(const Of& of, py::ssize_t channels = 1) {
-  return [channels, of](const py::object& drawing) -> py::object {
-    const auto& self = drawing.cast<const Drawing&>();
-    const auto& values = of(self.frame());
-    if (values.empty()) return py::none();
-    Shape shape = self.shape();
-    if (channels > 1) shape.push_back(channels);
-    using T = typename std::decay_t<decltype(values)>::value_type;
-    py::array array(py::dtype::of<T>(), std::move(shape), values.data(), drawing);
-    array.attr("setflags")(py::arg("write") = false);
-    return array;
-  };
+/// An array of the `values` of an `image` of a Drawing's frame, without a copy; None if it has none.
+template <py::ssize_t channels, auto image, auto values>
+py::object pixels(const py::object& drawing) {
+  const auto& self = drawing.cast<const Drawing&>();
+  const auto& kept = self.frame().*image.*values;
+  if (kept.empty()) return py::none();
+  Shape shape = self.shape();
+  if (channels > 1) shape.push_back(channels);
+  using T = typename std::decay_t<decltype(kept)>::value_type;
+  py::array array(py::dtype::of<T>(), std::move(shape), kept.data(), drawing);
+  array.attr("setflags")(py::arg("write") = false);
+  return array;
 }
 
 /// [structure]: one of these or a descendant.
@@ -257,18 +250,17 @@ std::vector<bool> below(const StructureGraph& graph, const std::vector<Structure
 py::array labels(const Player& player, const std::vector<StructureIndex>& structures) {
   const Atlas& atlas = player.atlas();
   if (atlas.label_type() == VoxelType::kNone)
-    throw Failure{{ErrorCode::kFailed, atlas.name() + ": was built without a label map; use mask()", {}}};
-  VoxelBuffer map = released([&] {
-    const AtlasContent content = value_or_fail(atlas.read_classes());
-    return value_or_fail(label_map(content, atlas.name(), "use mask()", below(atlas.graph(), structures)));
+    throw Failure{
+        {ErrorCode::kFailed, atlas.name() + ": was built without a label map; use mask()", atlas.name()}};
+  return voxels(atlas, [&](const AtlasContent& content) {
+    const std::vector<bool> is_wanted = below(atlas.graph(), structures);
+    return value_or_fail(label_map(content, atlas.name(), "use mask()", is_wanted), atlas.name());
   });
-  return volume_of(std::move(map), atlas.source_grid());
 }
 
 py::array mask(const Player& player, const std::vector<StructureIndex>& structures) {
   const Atlas& atlas = player.atlas();
-  VoxelBuffer map = released([&] {
-    const AtlasContent content = value_or_fail(atlas.read_classes());
+  const py::array bytes = voxels(atlas, [&](const AtlasContent& content) {
     const std::vector<bool> is_wanted = below(atlas.graph(), structures);
     std::vector<std::byte> in_class(content.classes.size());
     for (ClassId c = 0; c < content.classes.size(); ++c) {
@@ -281,18 +273,18 @@ py::array mask(const Player& player, const std::vector<StructureIndex>& structur
     for (const ClassId c : content.class_volume) stored.bytes.push_back(in_class[c]);
     return to_source_order(stored, content);
   });
-  return volume_of(std::move(map), atlas.source_grid()).attr("view")("bool");
+  return bytes.attr("view")("bool");
 }
 
 py::array volume(const Player& player) {
   const Atlas& atlas = player.atlas();
   if (atlas.value_type() == VoxelType::kNone)
-    throw Failure{{ErrorCode::kFailed, atlas.name() + ": has no grey values; build it with a volume", {}}};
-  VoxelBuffer values = released([&] {
-    const AtlasContent content = value_or_fail(atlas.read_classes());
-    return to_source_order(value_or_fail(atlas.read_value_volume(content.class_volume)), content);
+    throw Failure{
+        {ErrorCode::kFailed, atlas.name() + ": has no grey values; build it with a volume", atlas.name()}};
+  return voxels(atlas, [&](const AtlasContent& content) {
+    return to_source_order(value_or_fail(atlas.read_value_volume(content.class_volume), atlas.name()),
+                           content);
   });
-  return volume_of(std::move(values), atlas.source_grid());
 }
 
 /// Vertices in RAS mm, triangles and normals of the structures and their descendants.
@@ -304,7 +296,7 @@ py::tuple surface(const Player& player, const std::vector<StructureIndex>& struc
   released([&] {
     const Affine to_lps = index_to_lps_mm(atlas.grid());
     for (const StructureIndex s : atlas.graph().descendants(structures)) {
-      const SurfaceMesh mesh = value_or_fail(atlas.read_surface(s));
+      const SurfaceMesh mesh = value_or_fail(atlas.read_surface(s), atlas.name());
       const auto first = static_cast<std::uint32_t>(vertices.size() / 3);
       for (const auto& [i, j, k] : mesh.positions_ijk) {
         const auto [left, posterior, superior] = to_lps.apply({i, j, k});
@@ -327,7 +319,7 @@ void define_player(py::module_& module) {
   py::class_<Player, std::shared_ptr<Player>>(module, "Player")
       .def(py::init([](const std::string& path, unsigned threads, std::uint64_t memory, double max_work) {
         return released([&] {
-          auto atlas = value_or_fail(Atlas::open(path, AtlasOptions{max_work, memory}));
+          auto atlas = value_or_fail(Atlas::open(path, AtlasOptions{max_work, memory}), path);
           return std::make_shared<Player>(std::move(atlas), RendererOptions{threads, memory});
         });
       }))
@@ -335,7 +327,7 @@ void define_player(py::module_& module) {
       .def("call", &Player::call)
       .def("find",
            [](const Player& player, const std::string& name) {
-             return value_or_fail(player.atlas().graph().find_named(name));
+             return value_or_fail(player.atlas().graph().find_named(name), name);
            })
       .def("labels", &labels)
       .def("mask", &mask)
@@ -353,10 +345,9 @@ void define_drawing(py::module_& module) {
       .def("png", &Drawing::png)
       .def("save", &Drawing::save)
       .def("pick", &Drawing::pick)
-      .def_property_readonly("linear", pixels(
-                                           [](const Frame& f) -> auto& { return f.picture.rgba; }, 4))
-      .def_property_readonly("ids", pixels([](const Frame& f) -> auto& { return f.ids.numbers; }))
-      .def_property_readonly("depth", pixels([](const Frame& f) -> auto& { return f.depths.mm; }));
+      .def_property_readonly("linear", &pixels<4, &Frame::picture, &Picture::rgba>)
+      .def_property_readonly("ids", &pixels<1, &Frame::ids, &IdImage::numbers>)
+      .def_property_readonly("depth", &pixels<1, &Frame::depths, &DepthMap::mm>);
 }
 
 PYBIND11_MODULE(_engine, module) {
@@ -378,7 +369,7 @@ PYBIND11_MODULE(_engine, module) {
   define_drawing(module);
   module.def("parse_cuts", [](const std::string& text) {
     std::vector<std::pair<Vec3, double>> planes;
-    for (const CutPlane& plane : value_or_fail(parse_cuts(text)))
+    for (const CutPlane& plane : value_or_fail(parse_cuts(text), "cuts"))
       planes.emplace_back(plane.normal_lps, plane.offset_mm);
     return planes;
   });

@@ -9,6 +9,7 @@ selections are `splatlas.Error`, with a kind and a subject; odd things are `spla
 """
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import json
 import operator
@@ -136,14 +137,15 @@ class Renderer:
             labels, both or none. quality: draft, normal or high.
         background: "#rrggbb"; None: transparent.
         """
-        shown = self.atlas._scene(scene) if scene is not None else {}
+        shown = self.atlas._named("scene", scene) if scene is not None else {}
         placed = {key: shown[key] for key in ("azimuth", "elevation", "projection") if key in shown}
         if camera is not None:
             if zoom != 1 or center is not None or focus is not None:
                 raise ValueError("camera: takes the place of zoom, center and focus; change its values instead")
             placed |= _flipped_center(dict(camera))
         if view is not None:
-            placed |= self.atlas._view(view)
+            seen = self.atlas._named("view", view)
+            placed |= {"azimuth": seen["azimuth"], "elevation": seen["elevation"]}
         if unknown := placed.keys() - {"azimuth", "elevation", "zoom", "center", "projection", "fieldOfView"}:
             raise ValueError(f"camera: has no {', '.join(map(repr, unknown))}")
         if not 1e-6 <= zoom <= 1e6:
@@ -169,7 +171,7 @@ class Renderer:
             "ids": ids, "depths": depth}, background)
 
 
-class Atlas(Renderer):
+class Atlas(Renderer, contextlib.AbstractContextManager):
     """An open atlas. Reading is lazy; threads may share it. `close()` or `with` ends it."""
 
     def __init__(self, path: str | os.PathLike, threads: int = 0, memory: int = 0, max_work: float = 1):
@@ -194,9 +196,6 @@ class Atlas(Renderer):
                       sum(one["voxels"].values()), float(sum(one["voxels"].values()) * mm3 / 1000), one["triangles"])
             for index, one in enumerate(self.info["structures"]))
         self.scenes: tuple[str, ...] = tuple(scene["name"] for scene in self.info["scenes"])
-
-    def __enter__(self) -> Atlas:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.close()
@@ -259,17 +258,13 @@ class Atlas(Renderer):
             raise ValueError(f"{name}: names {len(found)} structures; focus takes one")
         return found[0]
 
-    def _scene(self, name: str) -> dict[str, Any]:
-        for scene in self.info["scenes"]:
-            if scene["name"].casefold() == name.casefold():
-                return scene
-        raise ValueError(f"{self.path}: has no scene {name!r}; it has {', '.join(map(repr, self.scenes)) or 'none'}")
-
-    def _view(self, name: str) -> dict[str, float]:
-        for view in self.info["views"]:
-            if view["name"] == name:
-                return {"azimuth": view["azimuth"], "elevation": view["elevation"]}
-        raise ValueError(f"{name}: is no view; choose {', '.join(view['name'] for view in self.info['views'])}")
+    def _named(self, kind: str, name: str) -> dict[str, Any]:
+        """A scene or a view."""
+        choice = {one["name"].casefold(): one for one in self.info[f"{kind}s"]}
+        if name.casefold() not in choice:
+            names = ", ".join(repr(one["name"]) for one in choice.values())
+            raise ValueError(f"{self.path}: has no {kind} {name!r}; it has {names or 'none'}")
+        return choice[name.casefold()]
 
 
 def open(path: str | os.PathLike, *, threads: int = 0, memory: int = 0, max_work: float = 1) -> Atlas:
@@ -292,6 +287,6 @@ def _flipped_center(camera: dict[str, Any]) -> dict[str, Any]:
 
 
 def _size(size: Sequence[int]) -> list[int]:
-    if isinstance(size, str) or len(size) != 2:
+    if np.shape(size) != (2,):
         raise ValueError(f"size: {size!r}: must be (width, height)")
     return [operator.index(side) for side in size]

@@ -1,7 +1,6 @@
 """Runs of splatlas-preprocess and splatlas-player: atlases from arrays, and pages."""
 from __future__ import annotations
 
-import builtins
 import csv
 import dataclasses
 import html
@@ -78,9 +77,9 @@ def build(output: str | os.PathLike, *, labels: Any = None, volume: Any = None, 
 def page_of(path: str, select: str | None, scene: str | None, height: int) -> Page:
     with tempfile.TemporaryDirectory(prefix="splatlas-") as folder:
         page = pathlib.Path(folder, "page.html")
-        words = ["export", path, "--html", os.fspath(page)]
-        for option, value in (("--select", select), ("--scene", scene)):
-            words += [option, value] if value is not None else []
+        words = ["export", path, f"--html={page}"]
+        named = {"select": select, "scene": scene}
+        words += [f"--{option}={value}" for option, value in named.items() if value is not None]
         _run("splatlas-player", words, folder, stacklevel=4)
         return Page(page.read_text(encoding="utf-8"), height)
 
@@ -101,7 +100,9 @@ def _run(program: str, words: list[str], folder: str, stacklevel: int) -> None:
     if done.returncode != 0:
         error = Error(last.removeprefix(f"{program}: ") or f"{program}: ended with {done.returncode}")
         kinds = {2: "usage", 3: "invalid atlas", 4: "not found"}
-        error.kind, error.subject = kinds.get(done.returncode, "failed"), ""
+        subject = str(error).partition(": ")[0].partition(' "')[0]
+        error.kind = kinds.get(done.returncode, "failed")
+        error.subject = subject if any(subject in word for word in words) else ""
         raise error
 
 
@@ -134,7 +135,7 @@ def _image_file(image: Any, affine: Any, path: pathlib.Path, what: str) -> str:
               "dimension: 3", "space: right-anterior-superior", "sizes: {} {} {}".format(*array.shape),
               f"space directions: {' '.join(columns[:3])}", f"space origin: {columns[3]}", "endian: little",
               "encoding: raw", "", "")
-    with builtins.open(path, "wb") as file:
+    with open(path, "wb") as file:
         file.write("\n".join(header).encode())
         file.write(array.astype(array.dtype.newbyteorder("<"), copy=False).tobytes(order="F"))
     return os.fspath(path)
@@ -165,7 +166,7 @@ def _names_file(names: Any, path: pathlib.Path) -> str:
     if not rows or not all(isinstance(row, Mapping) for row in rows):
         raise ValueError("names: must be a path, {label: name}, a DataFrame or mappings with label and name")
     columns = list(dict.fromkeys(key for row in rows for key in row))
-    with builtins.open(path, "w", encoding="utf-8", newline="") as file:
+    with open(path, "w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, columns)
         writer.writeheader()
         writer.writerows(rows)
@@ -187,7 +188,7 @@ def _mesh_file(vertices: Any, triangles: Any, path: pathlib.Path) -> str:
             raise ValueError(f"{what}: of shape {array.shape}; must be (n, 3)")
     if triangles.dtype.kind not in "iu" or not ((0 <= triangles) & (triangles < len(vertices))).all():
         raise ValueError(f"triangles: must be integers from 0 to {len(vertices) - 1}")
-    with builtins.open(path, "w", encoding="ascii") as file:
+    with open(path, "w", encoding="ascii") as file:
         np.savetxt(file, vertices, fmt="v %.17g %.17g %.17g")
         np.savetxt(file, triangles.astype(np.int64) + 1, fmt="f %d %d %d")
     return os.fspath(path)
