@@ -218,8 +218,13 @@ struct PageEngine::Call {
     const Atlas& atlas = renderer->atlas();
     const auto& text = request.at("select").get_ref<const std::string&>();
     const TaskControl task({}, {}, &atlas.work_budget());
-    SPLATLAS_ASSIGN_OR_RETURN(const auto terms, parse_selection(text));
-    SPLATLAS_ASSIGN_OR_RETURN(const Selection selection, resolve_selection(terms, atlas.graph()));
+    const auto told = [](Error error) {
+      if (error.message.starts_with("selection")) error.subject = "selection";
+      return error;
+    };
+    SPLATLAS_ASSIGN_OR_RETURN(const auto terms, parse_selection(text).map_error(told));
+    SPLATLAS_ASSIGN_OR_RETURN(const Selection selection,
+                              resolve_selection(terms, atlas.graph()).map_error(told));
     SPLATLAS_ASSIGN_OR_RETURN(const auto warnings, selection_warnings(terms, atlas));
     SPLATLAS_RETURN_IF_ERROR(renderer->select(selection));
     engine.selected_ = text;

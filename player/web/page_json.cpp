@@ -8,6 +8,8 @@
 #include <string_view>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "format/result_macros.h"
 #include "format/text/json_text.h"
 #include "player/camera.h"
@@ -52,12 +54,18 @@ std::optional<Vec3> point_at(const Json& json, const char* key) {
   return found == json.end() || found->is_null() ? std::nullopt : std::optional(found->get<Vec3>());
 }
 
+/// An error of the value at a key.
+tl::unexpected<Error> fault_at(const char* key, const std::string& text) {
+  return tl::unexpected(Error{ErrorCode::kUsage, fmt::format("{}: {}", key, text), key});
+}
+
 template <typename Enum, std::size_t kCount>
 Result<Enum> enum_at(const Json& json, const char* key, const std::array<const char*, kCount>& names,
                      Enum otherwise) {
   const auto name = value_at<std::string>(json, key, names[static_cast<std::size_t>(otherwise)]);
   const auto found = std::ranges::find(names, std::string_view(name));
-  if (found == names.end()) return fail(ErrorCode::kUsage, "{}: {}: no such value", key, name);
+  if (found == names.end())
+    return fault_at(key, fmt::format("{}: must be one of {}", name, fmt::join(names, ", ")));
   return static_cast<Enum>(found - names.begin());
 }
 
@@ -71,7 +79,7 @@ Result<PictureSize> size_of(const Json& json) {
   for (const auto& [side, n] : {std::pair{&size.width, 0}, {&size.height, 1}}) {
     const double pixels = sides.at(static_cast<std::size_t>(n)).get<double>();
     if (!(pixels >= 1 && pixels <= kMaxPictureSide && pixels == std::floor(pixels)))
-      return fail(ErrorCode::kUsage, "size: {}: must be an integer from 1 to {}", pixels, kMaxPictureSide);
+      return fault_at("size", fmt::format("{}: must be an integer from 1 to {}", pixels, kMaxPictureSide));
     *side = static_cast<int>(pixels);
   }
   return size;

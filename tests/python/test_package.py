@@ -170,24 +170,24 @@ class Package(unittest.TestCase):
 
     def test_faults_are_exceptions(self):
         atlas = self.boxes()
-        picture = atlas.render("Liver", size=(8, 8))
-        atlas.render("Screw", size=(8, 8))
-        for kind, fault in (
-                ("not found", lambda: atlas.render("Lever")), ("not found", lambda: atlas.labels("Lever")),
-                ("usage", lambda: atlas.render(size=(0, 9))), ("usage", lambda: atlas.render(quality="best")),
-                ("usage", lambda: atlas.render(background="red!")), ("usage", lambda: picture.pick(1, 1)),
-                ("usage", lambda: atlas.render(cuts={"up": 3})), ("usage", lambda: picture.save("a.bmp")),
-                ("failed", lambda: splatlas.open(self.folder / "none.atlas")),
-                ("invalid atlas", lambda: splatlas.open(__file__)),
-                ("failed", lambda: self.build(labels=self.folder / "none.nrrd"))):
+        draw = atlas.render
+        picture = draw("Liver", size=(8, 8))
+        draw("Screw", size=(8, 8))
+        for kind, subject, fault in (
+                ("not found", "selection", lambda: draw("Lever")), ("not found", "Lever", lambda: atlas.mask("Lever")),
+                ("usage", "size", lambda: draw(size=(0, 9))), ("usage", "quality", lambda: draw(quality="best")),
+                ("usage", "background", lambda: draw(background="red!")), ("usage", "", lambda: picture.pick(1, 1)),
+                ("usage", "cuts", lambda: draw(cuts={"up": 3})), ("usage", "a.bmp", lambda: picture.save("a.bmp")),
+                ("failed", f"{self.folder}/none.atlas", lambda: splatlas.open(self.folder / "none.atlas")),
+                ("invalid atlas", __file__, lambda: splatlas.open(__file__)),
+                ("failed", f"{self.folder}/none.nrrd", lambda: self.build(labels=self.folder / "none.nrrd"))):
             with self.assertRaises(splatlas.Error) as raised:
                 fault()
-            self.assertEqual(raised.exception.kind, kind, raised.exception)
-        for fault in (lambda: atlas.render(view="up"), lambda: atlas.render(scene="none"),
-                      lambda: atlas.render(zoom=0), lambda: atlas.render(size="8x8"),
-                      lambda: atlas.render(camera=picture.camera, zoom=2), lambda: atlas.render(camera={"azimut": 3}),
+            self.assertEqual((raised.exception.kind, raised.exception.subject), (kind, subject), raised.exception)
+        for fault in (lambda: draw(view="up"), lambda: draw(scene="none"), lambda: draw(zoom=0), lambda: draw(size=8),
+                      lambda: draw(size="8x8"), lambda: draw(azimuth="x"), lambda: draw(camera={"azimut": 3}),
+                      lambda: draw(camera=picture.camera, zoom=2), lambda: self.build(labels=__file__, affine=np.eye(4)),
                       lambda: self.build(labels=boxes()), lambda: self.build(labels=picture.save, affine=np.eye(4)),
-                      lambda: self.build(labels=self.folder / "a.nrrd", affine=np.eye(4)),
                       lambda: self.build(labels={"a=b": boxes()}, affine=np.eye(4)),
                       lambda: self.build(labels=boxes()[0], affine=np.eye(4)),
                       lambda: self.build(labels=boxes(), affine=np.eye(3)),

@@ -150,8 +150,10 @@ class Renderer:
             raise ValueError(f"camera: has no {', '.join(map(repr, unknown))}")
         if not 1e-6 <= zoom <= 1e6:
             raise ValueError(f"zoom: {zoom!r}: must be from 1e-6 to 1e6")
-        given = {"azimuth": azimuth, "elevation": elevation, "projection": projection}
-        placed |= {key: value for key, value in given.items() if value is not None}
+        placed |= {key: float(value) for key, value in (("azimuth", azimuth), ("elevation", elevation))
+                   if value is not None}
+        if projection is not None:
+            placed["projection"] = projection
         if camera is None:
             placed["fit"] = {"zoom": zoom * shown.get("zoom", 1), "center": shown.get("center"),
                              "structure": -1 if focus is None else self.atlas._one(focus)}
