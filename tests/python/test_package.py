@@ -186,7 +186,7 @@ class Package(unittest.TestCase):
             self.assertEqual((raised.exception.kind, raised.exception.subject), (kind, subject), raised.exception)
         for fault in (lambda: draw(view="up"), lambda: draw(scene="none"), lambda: draw(zoom=0), lambda: draw(size=8),
                       lambda: draw(size="8x8"), lambda: draw(azimuth="x"), lambda: draw(camera={"azimut": 3}),
-                      lambda: draw(camera=picture.camera, zoom=2), lambda: self.build(labels=__file__, affine=np.eye(4)),
+                      lambda: draw(camera=picture.camera, zoom=2), lambda: self.build(labels="a", affine=np.eye(4)),
                       lambda: self.build(labels=boxes()), lambda: self.build(labels=picture.save, affine=np.eye(4)),
                       lambda: self.build(labels={"a=b": boxes()}, affine=np.eye(4)),
                       lambda: self.build(labels=boxes()[0], affine=np.eye(4)),
