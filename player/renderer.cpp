@@ -219,7 +219,7 @@ struct Renderer::Impl {
   [[nodiscard]] Result<bool> decode_for(const FrameCall& call, Axis axis, double voxel_pixels,
                                         const RequireBlocks& require_blocks) {
     const RenderOptions& options = call.options;
-    call.task.begin_stage(kDecoded);
+    call.task.begin_stage(kDecoded, 5);  // classes, their runs twice, light, surfaces
     Stopwatch watch;
     stats.surface_level = decoded.surface_level(drawn.plan(), voxel_pixels, options, pool);
     // Surfaces first: a damaged one leaves the plan, and blocks are those of a plan

@@ -62,8 +62,9 @@ std::vector<LightPass> passes_of(const DrawPlan& plan, const ClassTable& classes
     }
   }
   std::vector<LightPass> passes;
-  for (const auto& [structure, held] : structures) {
-    const auto has_room = [&](const LightPass& pass) {
+  for (const auto& structure_and_held : structures) {
+    const std::vector<ClassId>& held = structure_and_held.second;
+    const auto has_room = [&held](const LightPass& pass) {
       return std::ranges::all_of(held, [&](ClassId c) { return pass.structures[c] == 0; });
     };
     auto pass = std::ranges::find_if(passes, has_room);
@@ -72,7 +73,7 @@ std::vector<LightPass> passes_of(const DrawPlan& plan, const ClassTable& classes
       pass = passes.insert(pass, {std::vector<std::int32_t>(classes.size()), {}});
     }
     for (const ClassId c : held) {
-      pass->structures[c] = static_cast<std::int32_t>(structure) + 1;
+      pass->structures[c] = static_cast<std::int32_t>(structure_and_held.first) + 1;
       pass->box.include(classes.box(c));
     }
   }
