@@ -8,6 +8,7 @@
 #include "preprocess/import/tables/names_table.h"
 #include "preprocess/structures/build_graph.h"
 #include "tests/preprocess/import/tables/names_cases.h"
+#include "tests/support/fails_with.h"
 
 namespace splatlas {
 namespace {
@@ -15,7 +16,6 @@ namespace {
 /// File, dialect, names, a label, its summary, and the largest label, a line each; label 0 is not counted.
 constexpr std::string_view kFiles =
 #include "tests/preprocess/import/tables/real_tables.txt"
-#include "tests/support/fails_with.h"
     ;
 
 class RealTables : public testing::Test {

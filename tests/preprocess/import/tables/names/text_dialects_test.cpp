@@ -4,6 +4,7 @@
 
 #include "format/text/ascii_text.h"
 #include "tests/preprocess/import/tables/names_cases.h"
+#include "tests/support/fails_with.h"
 
 namespace splatlas {
 namespace {
