@@ -89,6 +89,26 @@ TEST_P(LightKernelsOf, KeepTheNormalsOfBordersInNoise) {
   }
 }
 
+TEST_P(LightKernelsOf, EmitTheLitPartOfLitVoxelsAlone) {
+  std::vector<float> factors(65536);
+  for (std::size_t code = 0; code < factors.size(); ++code) factors[code] = static_cast<float>(code) / 65536;
+  std::vector<LitBlock> blocks(3);
+  for (std::uint32_t n = 0; n < 48; ++n) {
+    LitBlock& block = blocks[n / 16];
+    block.block = n / 16 * 2;
+    block.color = {0.25f, 0.5f, 1};
+    block.whites[n % 16] = 0.125f * static_cast<float>(n);
+    block.lights[n % 16] = {static_cast<PackedNormal>(n * 1361), static_cast<std::uint16_t>(n % 3 * 30000)};
+  }
+  std::vector<float> optics(5 * 64, -1);
+  light_kernels().emit(blocks, factors.data(), 3, optics.data());
+  for (std::size_t n = 0; n < 48; ++n) {
+    for (std::size_t c = 0; c < 3; ++c)
+      EXPECT_EQ(optics[n / 16 * 128 + 16 * (c + 1) + n % 16],
+                n % 3 == 0 ? -1 : blocks[n / 16].lit_white(n % 16, factors) * blocks[n / 16].color[c]);
+  }
+}
+
 /// Extinctions of whole grey values, linear in between and constant beyond.
 TEST_P(LightKernelsOf, FindExtinctionsAroundGreyValues) {
   const TransferShape shape{{{-3, 0.0, 1}, {4, 0.7, 1}}};
