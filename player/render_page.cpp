@@ -33,7 +33,7 @@ void paint_behind(Picture& picture, Rgb top, Rgb bottom) {
   }
 }
 
-/// What outlines follow: neither ghosts nor translucent surfaces.
+/// The selection without ghosts and translucent surfaces, which have no outlines.
 Selection solids_of(Selection selection) {
   for (StructureDraw& draw : selection.structures) {
     if (!draw.ghost && draw.opacity.value_or(1) >= 1) continue;

@@ -76,7 +76,7 @@ struct FailedSurface {
 /// Decoded parts of a class. Each value includes those before it.
 enum class VoxelParts : std::uint8_t { kNone, kRuns, kValues, kNormals };
 
-/// What the light of the voxels of a class is.
+/// State of the light of a class.
 struct LightState {
   enum class Of : std::uint8_t { kLabel, kNothing, kBorder, kInterior } of = Of::kLabel;
   StructureIndex structure = kNoStructure;  ///< of borders and interiors: that they are drawn as

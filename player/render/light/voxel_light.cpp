@@ -12,12 +12,10 @@
 namespace splatlas {
 namespace {
 
-/// How a class is lit.
+/// How a class is lit anew.
 struct ClassLight {
-  std::int32_t structure = 0;  // whose voxels count for the gradient, from 1 on
-  bool boundary = false;
-  bool anew = false;
-  const TransferTable* transfer = nullptr;
+  std::int32_t structure = 0;               // whose voxels count for the gradient, from 1 on; 0: not lit anew
+  const TransferTable* transfer = nullptr;  // null for borders
 };
 
 /// Structures without common classes.
@@ -26,7 +24,7 @@ struct LightPass {
   IndexBox box;
 };
 
-/// What all slices share.
+/// Input that all slices share.
 struct LightScene {
   ClassCache& cache;
   const Grid& grid;
@@ -52,7 +50,7 @@ std::vector<LightPass> passes_of(const DrawPlan& plan, const ClassTable& classes
                                  const std::vector<ClassLight>& lights) {
   std::map<StructureIndex, std::vector<ClassId>> structures;  // and the drawn classes that they hold
   for (const ClassDraw& draw : plan.classes) {
-    if (lights[draw.id].anew) structures[draw.volume_of];
+    if (lights[draw.id].structure != 0) structures[draw.volume_of];
   }
   for (const ClassDraw& draw : plan.classes) {
     if (!draws_volume(draw.role)) continue;
@@ -105,9 +103,8 @@ class SliceLighter {
     for (std::size_t n = 0; n < runs.size();) {
       const std::size_t end = segment_end(runs, n);
       const std::span<const ClassRun> segment = runs.subspan(n, end - n);
-      if (const auto first = std::ranges::find_if(segment, [&](const ClassRun& run) { return is_new(run); });
-          first != segment.end())
-        light(slice, segment, *of(*first).transfer);
+      if (std::ranges::any_of(segment, [&](const ClassRun& run) { return is_new(run); }))
+        light(slice, segment);
       n = end;
     }
   }
@@ -124,7 +121,7 @@ class SliceLighter {
   [[nodiscard]] std::int32_t structure(const ClassRun& run) const { return pass_.structures[run.id]; }
   /// True for voxels to light in this pass.
   [[nodiscard]] bool is_new(const ClassRun& run) const {
-    return of(run).anew && of(run).structure == structure(run);
+    return structure(run) != 0 && of(run).structure == structure(run);
   }
   [[nodiscard]] Plane& plane(std::int64_t slice) { return planes_[static_cast<std::size_t>(slice + 3) % 3]; }
   [[nodiscard]] std::int64_t place(const ClassRun& run) const {
@@ -168,26 +165,26 @@ class SliceLighter {
   }
 
   /// Lights a segment.
-  void light(std::int64_t slice, std::span<const ClassRun> runs, const TransferTable& transfer) {
+  void light(std::int64_t slice, std::span<const ClassRun> runs) {
     const ClassRun& first = runs.front();
     const std::size_t count = runs.back().start + runs.back().length - first.start;
     const GradientRow gradients = measure(slice, first, count);
     VoxelLight* const lights = scene_.cache.lights() + scene_.grid.offset(first.start, first.row, slice);
-    bool inside = false;
+    const TransferTable* transfer = nullptr;  // the interiors of a structure share one
     for (const ClassRun& run : runs) {
       const std::size_t begin = run.start - first.start;
-      const bool boundary = of(run).boundary;
+      const TransferTable* const of_run = of(run).transfer;
       for (std::size_t n = begin; n < begin + run.length; ++n) {
         normals_[n] = lights[n].normal;
-        lit_[n] = boundary ? VoxelLight::kAllLit : 0;
+        lit_[n] = of_run == nullptr ? VoxelLight::kAllLit : 0;
       }
-      inside = inside || (is_new(run) && !boundary);
+      if (is_new(run) && of_run != nullptr) transfer = of_run;
     }
     float* const below = floats_[5].data();
     float* const above = floats_[6].data();
-    if (inside) {
+    if (transfer != nullptr) {
       const float* greys = plane(slice).values.data() + place(first);
-      find_extinctions(transfer, greys, gradients.reach, count, below, above);
+      find_extinctions(*transfer, greys, gradients.reach, count, below, above);
     }
     kernels_.light(below, above, count, gradients, {normals_.data(), lit_.data()});
     for (const ClassRun& run : runs) {
@@ -242,23 +239,24 @@ class SliceLighter {
 void light_voxels(const DrawPlan& plan, const VolumeAppearances& appearances, const ClassTable& classes,
                   const Grid& grid, ClassCache& cache, ThreadPool& pool) {
   if (cache.values() == nullptr) return;
-  // Find the classes to light anew
-  LightScene scene{cache, grid, scale_of(grid), std::vector<ClassLight>(classes.size())};
+  // Find the classes to light anew, and how the plan draws them
   std::vector<std::pair<ClassId, LightState>> anew;
   for (std::size_t n = 0; n < plan.classes.size(); ++n) {
     const ClassDraw& draw = plan.classes[n];
     if (!draws_volume(draw.role)) continue;
-    const TransferTable* const transfer = appearances.appearances()[n].transfer;
     LightState drawn{LightState::Of::kBorder, draw.volume_of};
-    if (!draw.boundary)
-      drawn = {LightState::Of::kInterior, draw.volume_of, transfer, appearances.generation()};
-    const bool is_new = cache.light_state(draw.id) != drawn;
-    if (is_new) anew.emplace_back(draw.id, drawn);
-    scene.classes[draw.id] = {static_cast<std::int32_t>(draw.volume_of) + 1, draw.boundary, is_new, transfer};
+    if (!draw.boundary) {
+      drawn = {LightState::Of::kInterior, draw.volume_of, appearances.appearances()[n].transfer,
+               appearances.generation()};
+    }
+    if (cache.light_state(draw.id) != drawn) anew.emplace_back(draw.id, drawn);
   }
   if (anew.empty()) return;
-  for (const auto& [c, drawn] : anew)
+  LightScene scene{cache, grid, scale_of(grid), std::vector<ClassLight>(classes.size())};
+  for (const auto& [c, drawn] : anew) {
+    scene.classes[c] = {static_cast<std::int32_t>(drawn.structure) + 1, drawn.transfer};
     cache.light_state(c) = {LightState::Of::kNothing};  // in case the task is cancelled
+  }
 
   // Light slices in parallel
   for (const LightPass& pass : passes_of(plan, classes, scene.classes)) {
