@@ -74,8 +74,6 @@ make_page() {
   local page=out/colin27.html
   if [[ ! -e build/web/splatlas.wasm ]]; then
     echo "No page without the web module"
-  elif up_to_date $page out/colin27.atlas "$programs/splatlas-player"; then
-    echo "$page is up to date"
   else
     "$programs/splatlas-player" export out/colin27.atlas --html $page
   fi

@@ -14,7 +14,9 @@ options=(-o Dir::Etc::sourcelist="$PWD/sources.list" -o Dir::Etc::sourceparts=/d
   -o Dir::State::lists="$PWD/lists" -o Acquire::Languages=none -o APT::Sandbox::User=root)
 packages=(highway libzstd meshoptimizer)
 apt-get -qq "${options[@]}" update
-apt-get -qq "${options[@]}" source --download-only "${packages[@]}"
+download() { apt-get -qq "${options[@]}" source --download-only "$@" "${packages[@]}"; }
+# A mirror may list a security update before it has its sources: the release has the ones before it.
+download || download --target-release="$(. /etc/os-release && printf '%s' "$VERSION_CODENAME")"
 for package in "${packages[@]}"; do
   rm -rf "$package"
   dpkg-source --no-check -x "$package"_*.dsc "$package" >/dev/null  # apt-get has checked the signature and the hashes

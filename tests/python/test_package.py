@@ -221,6 +221,7 @@ class Package(unittest.TestCase):
                 atlas.render(size=(8, 8), **options)
             self.assertEqual(caught.filename, __file__)
 
+    @unittest.skipUnless((PROGRAMS.parents[1] / "web/splatlas.wasm").exists(), "built without the module for pages")
     def test_notes_are_warnings_and_the_page_is_shown(self):
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")

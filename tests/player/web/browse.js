@@ -5,7 +5,7 @@
 // Loads it, drags, searches for NAME, chooses, picks, cuts, undoes, and steps through the scenes, at the sizes of a
 // desk and of a phone. Console messages, requests and dialogs are failures. Writes screenshots into FOLDER.
 // The page must have scenes. Installs puppeteer-core and axe-core in FOLDER. SPLATLAS_BROWSER may name another Chromium, or Firefox.
-// Exit status 77: these or the browser are missing.
+// Exit status 77: these, the browser or the page (without the module, none is exported) are missing.
 'use strict';
 const assert = require('node:assert');
 const {execFileSync, spawn} = require('node:child_process');
@@ -543,7 +543,7 @@ async function onNative(browser) {
 
 async function main() {
   const library = puppeteer();
-  if (!library || !fs.existsSync(kBrowser)) return 77;
+  if (!library || !fs.existsSync(kBrowser) || !fs.existsSync(file)) return 77;
   const browser = await library.launch(kIsFirefox ? {browser: 'firefox', executablePath: kBrowser} :
     {executablePath: kBrowser, args: ['--no-sandbox', '--no-first-run']});
   try {
