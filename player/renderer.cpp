@@ -30,6 +30,7 @@ struct FrameCall {
 
 /// Progress of a frame after decoding, and number of loops that draw its volume.
 constexpr double kDecoded = 0.2, kPrepared = 0.3;
+constexpr int kMaxFitSteps = 12;
 constexpr std::size_t kSheetLoops = 4, kRayLoops = 1;
 
 }  // namespace
@@ -109,7 +110,7 @@ struct Renderer::Impl {
   [[nodiscard]] Result<Camera> fit(const Camera& camera, const RenderOptions& options,
                                    std::optional<std::span<const StructureIndex>> structures,
                                    const PictureRegion& region) {
-    SPLATLAS_ASSIGN_OR_RETURN(const FitFrame frame,
+    SPLATLAS_ASSIGN_OR_RETURN(FitFrame frame,
                               FitFrame::of(camera, options.size, atlas->display(), region));
     SPLATLAS_RETURN_IF_ERROR(check_size(options, max_memory_bytes));
 
@@ -124,8 +125,13 @@ struct Renderer::Impl {
     fit_decode_ms += watch.lap().wall_ms;
 
     const DrawPlan part = structures ? part_of(drawn.plan(), *structures, *atlas) : drawn.plan();
-    const FitExtents extents = extents_of(part, *atlas, decoded.cache(), axis, level, options.cuts,
-                                          frame.planes(index_to_lps_mm(atlas->grid())), pool);
+    const auto extents_in_frame = [&] {
+      return extents_of(part, *atlas, decoded.cache(), axis, level, options.cuts,
+                        frame.planes(index_to_lps_mm(atlas->grid())), pool);
+    };
+    FitExtents extents = extents_in_frame();
+    for (int n = 0; n < kMaxFitSteps && !extents.empty() && frame.narrow(extents); ++n)
+      extents = extents_in_frame();
     stats.select_ms += watch.lap().wall_ms;
     return within_reach(extents.empty() ? frame.whole() : frame.fitted(extents));
   }

@@ -197,24 +197,40 @@ FitPlanes FitFrame::planes(const Affine& to_lps_mm) const {
   return planes;
 }
 
+/// The half height of the picture in the plane of depth 0.
+double FitFrame::fitted_half_height(const FitExtents& extents) const {
+  if (narrowed_) return *narrowed_;
+  const double half_height =
+      std::max(extents.half(kUp, kDown) / half_height_, extents.half(kRight, kLeft) / half_width_);
+  if (slope_ == 0) return half_height;
+  const double nearest = -extents.max(kNear) - kMinEyeDistance * extents.half(kFar, kNear);
+  return std::max(half_height, -nearest * slope_);
+}
+
+bool FitFrame::narrow(const FitExtents& extents) {
+  constexpr double kCentred = 1e-4;  // half heights of the picture
+  if (slope_ == 0) return false;
+  narrowed_ = fitted_half_height(extents);
+  // Planes of half angle t that touch the points on both sides have t = (half + t * depth) / (height + depth).
+  // With the middle depth, the right side is a contraction.
+  const double depth = extents.middle(kFar, kNear) * slope_;
+  const auto of_points = [&](double t, double half) { return (half + t * depth) / (*narrowed_ + depth); };
+  const double height = of_points(half_height_, extents.half(kUp, kDown));
+  const double width = of_points(half_width_, extents.half(kRight, kLeft));
+  const double change = std::max(std::abs(height - half_height_), std::abs(width - half_width_));
+  half_height_ = height;
+  half_width_ = width;
+  return change > kCentred;
+}
+
 Camera FitFrame::fitted(const FitExtents& extents) const {
-  const auto middle = [&](std::size_t above, std::size_t below) {
-    return 0.5 * (extents.max(above) - extents.max(below));
-  };
-  const auto half = [&](std::size_t above, std::size_t below) {
-    return 0.5 * (extents.max(above) + extents.max(below));
-  };
-  // Find the half height in the plane of depth 0, and the middle of the picture
-  double half_height = std::max(half(kUp, kDown) / half_height_, half(kRight, kLeft) / half_width_);
-  if (slope_ > 0) {
-    const double nearest = -extents.max(kNear) - kMinEyeDistance * half(kFar, kNear);
-    half_height = std::max(half_height, -nearest * slope_);
-  }
-  const double right = middle(kRight, kLeft) - middle_right_ * half_height;
-  const double up = middle(kUp, kDown) - middle_up_ * half_height;
+  // Find the middle of the picture in the plane of depth 0
+  double half_height = fitted_half_height(extents);
+  const double right = extents.middle(kRight, kLeft) - middle_right_ * half_height;
+  const double up = extents.middle(kUp, kDown) - middle_up_ * half_height;
 
   // Move the plane to the middle of the points
-  const double depth = middle(kFar, kNear);
+  const double depth = extents.middle(kFar, kNear);
   half_height += depth * slope_;
   Camera camera = camera_;
   camera.zoom = half_height > 0 ? std::clamp(half_height_mm_ / half_height, kMinZoom, kMaxZoom) : kMaxZoom;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <span>
 
 #include "format/content/cut_planes.h"
@@ -33,6 +34,13 @@ class FitExtents {
 
   [[nodiscard]] bool empty() const { return max_[0] == -std::numeric_limits<double>::infinity(); }
   [[nodiscard]] double max(std::size_t n) const { return max_[n]; }
+  /// Middle and half of the length between the planes of two opposite functions.
+  [[nodiscard]] double middle(std::size_t n, std::size_t opposite) const {
+    return 0.5 * (max_[n] - max_[opposite]);
+  }
+  [[nodiscard]] double half(std::size_t n, std::size_t opposite) const {
+    return 0.5 * (max_[n] + max_[opposite]);
+  }
 
   void include(const FitPlanes& planes, const Vec3& p) {
     for (std::size_t n = 0; n < FitPlanes::kCount; ++n) max_[n] = std::max(max_[n], planes.at(n, p));
@@ -63,14 +71,17 @@ class FitFrame {
   /// The functions on points that `to_lps_mm` maps to LPS mm.
   [[nodiscard]] FitPlanes planes(const Affine& to_lps_mm) const;
   /// The camera whose region the points fill: with margins on both sides of its width, or of its height, and
-  /// at least these margins on the other sides. The points are in the middle of the region. In perspective,
-  /// their shorter side may be off the middle. The centre has their middle depth. All points are in front of
-  /// the eye; with fields of view above 90 degrees, this can take more room than the margins. Clamps the zoom
-  /// to [kMinZoom, kMaxZoom]. `extents` must not be empty.
+  /// at least these margins on the other sides. The points are in the middle of the region, and the centre has
+  /// their middle depth. All points are in front of the eye; with fields of view above 90 degrees, this can
+  /// take more room than the margins. Clamps the zoom to [kMinZoom, kMaxZoom]. `extents` must not be empty.
   [[nodiscard]] Camera fitted(const FitExtents& extents) const;
+  /// In perspective, narrows planes() to the points. While it is true, new extents are needed: those of the
+  /// sides that have room in the picture are not in its middle yet.
+  [[nodiscard]] bool narrow(const FitExtents& extents);
 
  private:
   FitFrame(const Camera& camera, const View& view, const PictureRegion& region);
+  [[nodiscard]] double fitted_half_height(const FitExtents& extents) const;
 
   Camera camera_;
   View view_;
@@ -78,7 +89,8 @@ class FitFrame {
   double slope_;           // half the height of the picture / distance from the eye; 0: parallel
   // Of the region without its margins, in half heights of the picture:
   double middle_right_, middle_up_;  // from the picture's middle
-  double half_width_, half_height_;
+  double half_width_, half_height_;  // narrow() leaves those that the points take
+  std::optional<double> narrowed_;   // half height in the plane of the centre, since the first narrow()
 };
 
 /// The camera. kFailed if its centre is beyond kMaxMm, as views refuse it; the message names no atlas.
