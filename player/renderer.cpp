@@ -110,8 +110,7 @@ struct Renderer::Impl {
   [[nodiscard]] Result<Camera> fit(const Camera& camera, const RenderOptions& options,
                                    std::optional<std::span<const StructureIndex>> structures,
                                    const PictureRegion& region) {
-    SPLATLAS_ASSIGN_OR_RETURN(FitFrame frame,
-                              FitFrame::of(camera, options.size, atlas->display(), region));
+    SPLATLAS_ASSIGN_OR_RETURN(FitFrame frame, FitFrame::of(camera, options.size, atlas->display(), region));
     SPLATLAS_RETURN_IF_ERROR(check_size(options, max_memory_bytes));
 
     // Decode the data of the picture; for drafts within a budget no more than tells the extents

@@ -211,8 +211,8 @@ bool FitFrame::narrow(const FitExtents& extents) {
   constexpr double kCentred = 1e-4;  // half heights of the picture
   if (slope_ == 0) return false;
   narrowed_ = fitted_half_height(extents);
-  // Planes of half angle t that touch the points on both sides have t = (half + t * depth) / (height + depth).
-  // With the middle depth, the right side is a contraction.
+  // Planes of half angle t that touch the points on both sides have t = (half + t * depth) / (height +
+  // depth). With the middle depth, the right side is a contraction.
   const double depth = extents.middle(kFar, kNear) * slope_;
   const auto of_points = [&](double t, double half) { return (half + t * depth) / (*narrowed_ + depth); };
   const double height = of_points(half_height_, extents.half(kUp, kDown));

@@ -71,9 +71,10 @@ class FitFrame {
   /// The functions on points that `to_lps_mm` maps to LPS mm.
   [[nodiscard]] FitPlanes planes(const Affine& to_lps_mm) const;
   /// The camera whose region the points fill: with margins on both sides of its width, or of its height, and
-  /// at least these margins on the other sides. The points are in the middle of the region, and the centre has
-  /// their middle depth. All points are in front of the eye; with fields of view above 90 degrees, this can
-  /// take more room than the margins. Clamps the zoom to [kMinZoom, kMaxZoom]. `extents` must not be empty.
+  /// at least these margins on the other sides. The points are in the middle of the region, and the centre
+  /// has their middle depth. All points are in front of the eye; with fields of view above 90 degrees, this
+  /// can take more room than the margins. Clamps the zoom to [kMinZoom, kMaxZoom]. `extents` must not be
+  /// empty.
   [[nodiscard]] Camera fitted(const FitExtents& extents) const;
   /// In perspective, narrows planes() to the points. While it is true, new extents are needed: those of the
   /// sides that have room in the picture are not in its middle yet.

@@ -101,11 +101,11 @@ struct MarchKernels {
 /// are the same bits where the machine has fused multiply-add, and nearly always elsewhere.
 [[nodiscard]] MarchKernels best_march();
 
-/// True if slabs are subdivided by cells, not evenly: for byte grey values with one transfer function
-/// and one colour, as long as one step per slab is allowed.
+/// True if slabs are subdivided by cells, not evenly: for byte grey values with one transfer function, as
+/// long as one step per slab is allowed.
 [[nodiscard]] inline bool subdivides_cells(const MarchScene& scene) {
   return scene.tolerance > 0 && scene.min_steps == 1 && scene.sources.size() == 1 &&
-         scene.sources[0].cell_corners != nullptr && scene.sources[0].colors == nullptr;
+         scene.sources[0].cell_corners != nullptr;
 }
 
 /// Integration of a slab, chosen for all rays of a packet together.
@@ -122,6 +122,11 @@ inline constexpr float kMaxKinks = 1;      ///< kSimpson: distance from a straig
 /// Part of a cell: the effect of shifting the grey value by its distance from the chord.
 inline constexpr float kMaxShift = 0.7f;
 inline constexpr int kMaxSubdivisions = 5;
+/// Step with a colour for each voxel: its opacity times the distance of the colour from a straight line.
+inline constexpr float kColorShare = 0.2f;
+inline constexpr int kMaxHalvings = 3;
+/// Opacity up to which the colour in its middle stands for a step, in tolerances.
+inline constexpr float kFaintColor = 0.4f;
 /// Weight of several slabs, in tolerances, below which one step integrates them all.
 inline constexpr float kFaintShare = 0.02f;
 

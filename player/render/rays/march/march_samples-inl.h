@@ -323,6 +323,20 @@ class FourSampler {
   HWY_ALIGN float parts_[3][kPacketRays];
 };
 
+/// Colours of voxels at positions along rays, weighted by their presence.
+struct VoxelColor {
+  Vector of[3];
+
+  VoxelColor() = default;
+  HWY_INLINE VoxelColor(const float* colors, const MarchGrid& grid, const Rays& rays, Vector at) {
+    const Lanes d;
+    const Places places(grid, rays, at);
+    const Four sampled = FourSampler(colors, grid, places).Between();
+    const auto share = Div(Set(d, 1.0f), Max(sampled.of[3], Set(d, 1e-12f)));
+    for (std::size_t n = 0; n < 3; ++n) of[n] = Mul(share, sampled.of[n]);
+  }
+};
+
 }  // namespace splatlas::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -1,5 +1,5 @@
-// Ray marching through byte grey values with one transfer function and one colour, the common case. Grey
-// values within cells are cubics in Bezier form. Compiled once for every instruction set.
+// Ray marching through byte grey values with one transfer function, the common case. Grey values within cells
+// are cubics in Bezier form. Compiled once for every instruction set.
 #if defined(SPLATLAS_PLAYER_MARCH_SINGLE_APPEARANCE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SPLATLAS_PLAYER_MARCH_SINGLE_APPEARANCE_INL_H_
 #undef SPLATLAS_PLAYER_MARCH_SINGLE_APPEARANCE_INL_H_
@@ -107,7 +107,7 @@ class SingleAppearance {
         radiance_(Zero(Lanes())) {}
 
   /// The next batch does not begin at the end of the last one.
-  HWY_INLINE void Invalidate() { valid_ = false; }
+  HWY_INLINE void Invalidate() { valid_ = has_color_ = false; }
 
   /// Integrates kSlabs slabs from t on. Takes all samples first, so that memory accesses overlap.
   HWY_INLINE void MarchBatch(float t, const std::int32_t* /*from*/, const std::int32_t* /*to*/) {
@@ -314,33 +314,124 @@ class SingleAppearance {
   }
 
   HWY_INLINE void Step(Vector at, Vector end, const Classified& next) {
-    if (IsEmpty(next)) return;
-    Composite(Sub(end, at), next, PreintegratedMeans(transfer_, last_.classified, next));
-    accumulated_.Record(at, end);
+    if (SkipsEmpty(next)) return;
+    Composite(at, end, next, PreintegratedMeans(transfer_, last_.classified, next));
   }
   /// For a mean grey value that lies `shift` above the chord.
   HWY_INLINE void Step(Vector at, Vector end, const Classified& next, Vector shift) {
-    if (IsEmpty(next)) return;
+    if (SkipsEmpty(next)) return;
     PreintegratedMeans means(transfer_, last_.classified, next);
     means.ShiftGrey(transfer_, last_.classified, next, shift);
-    Composite(Sub(end, at), next, means);
-    accumulated_.Record(at, end);
+    Composite(at, end, next, means);
   }
-  HWY_INLINE bool IsEmpty(const Classified& next) const {
+  HWY_INLINE bool SkipsEmpty(const Classified& next) {
     const Lanes d;
     const auto limit = Max(last_.classified.extinction, next.extinction);
     const auto same = RebindMask(d, Eq(last_.classified.segment, next.segment));
-    return AllTrue(d, And(same, Le(limit, Zero(d))));
+    const bool is_empty = AllTrue(d, And(same, Le(limit, Zero(d))));
+    has_color_ = has_color_ && !is_empty;
+    return is_empty;
   }
-  HWY_INLINE void Composite(Vector part, const Classified& next, const PreintegratedMeans& means) {
-    const Classified& last = last_.classified;
-    const SegmentRadiance radiance(means.extinction, last.extinction, next.extinction,
-                                   Mul(rays_.mm_per_t, part));
-    const auto before = Mul(last.extinction, last.shade);
-    const auto after = Mul(next.extinction, next.shade);
+
+  HWY_INLINE void Composite(Vector at, Vector end, const Classified& next, const PreintegratedMeans& means) {
+    if (HWY_LIKELY(scene_.sources[0].colors == nullptr)) {
+      const SegmentRadiance radiance = RadianceOf(at, end, next, means);
+      radiance_ =
+          MulAdd(accumulated_.Transmittance(),
+                 radiance.Of(means.emission, EmissionOf(last_.classified), EmissionOf(next)), radiance_);
+      AddOpacity(at, end, radiance);
+    } else {
+      CompositeColors(at, end, next, means);
+    }
+  }
+  static HWY_INLINE Vector EmissionOf(const Classified& c) { return Mul(c.extinction, c.shade); }
+  HWY_INLINE SegmentRadiance RadianceOf(Vector at, Vector end, const Classified& next,
+                                        const PreintegratedMeans& means) const {
+    return {means.extinction, last_.classified.extinction, next.extinction,
+            Mul(rays_.mm_per_t, Sub(end, at))};
+  }
+  HWY_INLINE void AddOpacity(Vector at, Vector end, const SegmentRadiance& radiance) {
+    accumulated_.opacity = MulAdd(accumulated_.Transmittance(), radiance.Opacity(), accumulated_.opacity);
+    accumulated_.Record(at, end);
+  }
+
+  HWY_INLINE VoxelColor ColorAt(Vector t) const { return {scene_.sources[0].colors, scene_.grid, rays_, t}; }
+
+  /// A step with a colour for each voxel: that in the middle, or a step that is halved.
+  HWY_NOINLINE void CompositeColors(Vector at, Vector end, const Classified& next,
+                                    const PreintegratedMeans& means) {
+    const Lanes d;
+    const VoxelColor middle = ColorAt(Mul(Set(d, 0.5f), Add(at, end)));
+    const SegmentRadiance radiance = RadianceOf(at, end, next, means);
     const auto transmittance = accumulated_.Transmittance();
-    radiance_ = MulAdd(transmittance, radiance.Of(means.emission, before, after), radiance_);
-    accumulated_.opacity = MulAdd(transmittance, radiance.Opacity(), accumulated_.opacity);
+    const auto faint = Set(d, kFaintColor * scene_.tolerance);
+    if (!subdivides_cells(scene_) || AllTrue(d, Le(Mul(transmittance, radiance.Opacity()), faint))) {
+      const auto of_white = radiance.Of(means.emission, EmissionOf(last_.classified), EmissionOf(next));
+      const auto weight = Mul(transmittance, of_white);
+      for (std::size_t n = 0; n < 3; ++n)
+        accumulated_.color[n] = MulAdd(weight, middle.of[n], accumulated_.color[n]);
+      AddOpacity(at, end, radiance);
+      has_color_ = false;
+      return;
+    }
+    const VoxelColor before = has_color_ ? color_ : ColorAt(at);
+    color_ = ColorAt(end);
+    has_color_ = true;
+    CompositeHalves(at, end, {before, middle, color_}, next, means, 0);
+  }
+
+  /// Colours at the beginning, in the middle, and at the end of a step.
+  struct StepColors {
+    VoxelColor before, middle, after;
+
+    /// Height of the middle above the straight line between the ends.
+    [[nodiscard]] HWY_INLINE Vector Above(std::size_t n) const {
+      return NegMulAdd(Set(Lanes(), 0.5f), Add(before.of[n], after.of[n]), middle.of[n]);
+    }
+  };
+
+  /// Halves a step until its colour is nearly linear, or nearly constant where the extinction changes.
+  HWY_NOINLINE void CompositeHalves(Vector at, Vector end, const StepColors& colors, const Classified& next,
+                                    const PreintegratedMeans& means, int depth) {
+    const Lanes d;
+    const Classified& last = last_.classified;
+    const SegmentRadiance radiance = RadianceOf(at, end, next, means);
+    const auto transmittance = accumulated_.Transmittance();
+    const auto half = Set(d, 0.5f);
+    const auto both = Add(last.extinction, next.extinction);
+    const auto per_both = Div(Set(d, 1.0f), Max(both, Set(d, 1e-30f)));
+    const auto uneven = Mul(half, Mul(per_both, Abs(Sub(next.extinction, last.extinction))));
+    auto error = Zero(d);
+    for (std::size_t n = 0; n < 3; ++n) {
+      const auto rise = Abs(Sub(colors.after.of[n], colors.before.of[n]));
+      error = Max(error, Max(Abs(colors.Above(n)), Mul(uneven, rise)));
+    }
+    error = Mul(error, Mul(transmittance, radiance.Opacity()));
+    if (depth < kMaxHalvings && !AllTrue(d, Le(error, Set(d, kColorShare * scene_.tolerance)))) {
+      const auto middle = Mul(half, Add(at, end));
+      const Classified there = Classify(transfer_, GreyAt(middle));
+      const PreintegratedMeans first(transfer_, last, there), second(transfer_, there, next);
+      CompositeHalves(at, middle, {colors.before, ColorAt(Mul(half, Add(at, middle))), colors.middle}, there,
+                      first, depth + 1);
+      last_.classified = there;
+      CompositeHalves(middle, end, {colors.middle, ColorAt(Mul(half, Add(middle, end))), colors.after}, next,
+                      second, depth + 1);
+      return;
+    }
+
+    // The mean of a linear colour, weighted by a linear extinction
+    const auto third = Set(d, 1.0f / 3);
+    const auto share =
+        IfThenElse(Gt(both, Zero(d)), Mul(Mul(third, per_both), Add(both, next.extinction)), half);
+    for (std::size_t n = 0; n < 3; ++n) {
+      const auto before = colors.before.of[n], after = colors.after.of[n];
+      const auto straight = MulAdd(share, Sub(after, before), before);
+      const auto mean = MulAdd(Set(d, kSimpsonShare), colors.Above(n), straight);
+      const auto of_color =
+          radiance.Of(Mul(mean, means.emission), Mul(before, EmissionOf(last)), Mul(after, EmissionOf(next)));
+      accumulated_.color[n] = MulAdd(transmittance, of_color, accumulated_.color[n]);
+    }
+    AddOpacity(at, end, radiance);
   }
 
   const MarchScene& scene_;
@@ -348,12 +439,14 @@ class SingleAppearance {
   Accumulated& accumulated_;
   const std::uint64_t* cell_corners_;
   Transfer transfer_;
-  Vector radiance_;  // per unit of the colour
+  Vector radiance_;  // per unit of the colour; 0 with one for each voxel
   Sampled last_;     // at the beginning of the next step
   Ends ends_[2];     // of this batch and the next
   int ahead_ = 0;    // index of the next batch, which begins at `ahead_from_`
   float ahead_from_ = -1e30f;
   bool valid_ = false;
+  VoxelColor color_;  // at the beginning of the next step
+  bool has_color_ = false;
 };
 
 }  // namespace splatlas::HWY_NAMESPACE

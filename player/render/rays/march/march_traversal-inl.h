@@ -22,7 +22,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace splatlas::HWY_NAMESPACE {
 
-/// Any selection: several transfer functions, colours per voxel, floats, pre-classified optical properties.
+/// Any selection: several transfer functions, floats, pre-classified optical properties.
 class MultiAppearance {
  public:
   HWY_INLINE MultiAppearance(const MarchScene& scene, const Rays& rays, Accumulated& accumulated)
@@ -188,10 +188,8 @@ class MultiAppearance {
     if (source.colors == nullptr) {
       for (std::size_t n = 0; n < 3; ++n) color[n] = Set(d, source.color[n]);
     } else {
-      const Places places(scene_.grid, rays_, middle);
-      const Four sampled = FourSampler(source.colors, scene_.grid, places).Between();
-      const auto share = Div(Set(d, 1.0f), Max(sampled.of[3], Set(d, 1e-12f)));
-      for (std::size_t n = 0; n < 3; ++n) color[n] = Mul(share, sampled.of[n]);
+      const VoxelColor sampled(source.colors, scene_.grid, rays_, middle);
+      for (std::size_t n = 0; n < 3; ++n) color[n] = sampled.of[n];
     }
     AddGrey(means.extinction, means.emission, color, mixed.mean);
     AddGrey(before.extinction, Mul(before.extinction, before.shade), color, mixed.before);
@@ -292,7 +290,7 @@ inline void MarchPacket(const MarchScene& scene, const RayPacket& packet, Radian
   for (std::size_t c = 0; c < 3; ++c) accumulated.color[c] = Load(d, radiance.planes[c].data());
   accumulated.opacity = Load(d, radiance.planes[3].data());
   const MarchSource& source = scene.sources[0];
-  const bool single = scene.sources.size() == 1 && source.cell_corners != nullptr && source.colors == nullptr;
+  const bool single = scene.sources.size() == 1 && source.cell_corners != nullptr;
   if (single && ShortTransfer::fits(*source.transfer)) {
     March<SingleAppearance<ShortTransfer>>(scene, rays, accumulated);
   } else if (single) {
