@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "format/result_macros.h"
+#include "format/tasks/task_control.h"
 #include "format/text/ascii_text.h"
 
 namespace splatlas {
@@ -47,49 +48,48 @@ Result<void> check_bytes(const Picture& picture, std::size_t per_pixel, std::spa
               fmt::format("picture: the buffer has {} bytes; its pixels take {}", out.size(), bytes));
 }
 
-void fill_srgb8(const Picture& picture, Rgb background, std::span<std::uint8_t> out) {
-  const SrgbEncoder& encode = srgb_encoder();
-  const std::array<float, 3> behind{srgb_to_linear(background.r), srgb_to_linear(background.g),
-                                    srgb_to_linear(background.b)};
-  for (std::size_t n = 0; n < out.size() / 3; ++n) {
-    const float* p = &picture.rgba[4 * n];
-    for (std::size_t c = 0; c < 3; ++c) out[3 * n + c] = encode(p[c] + (1.0f - p[3]) * behind[c]);
-  }
-}
-
-void fill_srgba8(const Picture& picture, std::span<std::uint8_t> out) {
-  const SrgbEncoder& encode = srgb_encoder();
-  for (std::size_t n = 0; n < out.size() / 4; ++n) {
-    const float* p = &picture.rgba[4 * n];
-    // Divide: the reciprocal of the smallest opacities is infinite.
-    for (std::size_t c = 0; c < 3; ++c) out[4 * n + c] = encode(p[3] > 0 ? p[c] / p[3] : 0.0f);
-    out[4 * n + 3] = static_cast<std::uint8_t>(std::lround(255.0f * unit(p[3])));
-  }
+/// Throws Cancelled in a task that is to stop; looks at every 2^14th of `n`.
+void check_stop(std::size_t n) {
+  if ((n & 0x3fff) == 0 && is_task_stopped()) throw Cancelled();
 }
 
 }  // namespace
 
 Result<void> to_srgb8(const Picture& picture, Rgb background, std::span<std::uint8_t> out) {
   SPLATLAS_RETURN_IF_ERROR(check_bytes(picture, 3, out));
-  fill_srgb8(picture, background, out);
+  const SrgbEncoder& encode = srgb_encoder();
+  const std::array<float, 3> behind{srgb_to_linear(background.r), srgb_to_linear(background.g),
+                                    srgb_to_linear(background.b)};
+  for (std::size_t n = 0; n < out.size() / 3; ++n) {
+    check_stop(n);
+    const float* p = &picture.rgba[4 * n];
+    for (std::size_t c = 0; c < 3; ++c) out[3 * n + c] = encode(p[c] + (1.0f - p[3]) * behind[c]);
+  }
   return {};
 }
 
 std::vector<std::uint8_t> to_srgb8(const Picture& picture, Rgb background) {
   std::vector<std::uint8_t> bytes(picture.rgba.size() / 4 * 3);
-  fill_srgb8(picture, background, bytes);
+  static_cast<void>(to_srgb8(picture, background, bytes));
   return bytes;
 }
 
 Result<void> to_srgba8(const Picture& picture, std::span<std::uint8_t> out) {
   SPLATLAS_RETURN_IF_ERROR(check_bytes(picture, 4, out));
-  fill_srgba8(picture, out);
+  const SrgbEncoder& encode = srgb_encoder();
+  for (std::size_t n = 0; n < out.size() / 4; ++n) {
+    check_stop(n);
+    const float* p = &picture.rgba[4 * n];
+    // Divide: the reciprocal of the smallest opacities is infinite.
+    for (std::size_t c = 0; c < 3; ++c) out[4 * n + c] = encode(p[3] > 0 ? p[c] / p[3] : 0.0f);
+    out[4 * n + 3] = static_cast<std::uint8_t>(std::lround(255.0f * unit(p[3])));
+  }
   return {};
 }
 
 std::vector<std::uint8_t> to_srgba8(const Picture& picture) {
   std::vector<std::uint8_t> bytes(picture.rgba.size());
-  fill_srgba8(picture, bytes);
+  static_cast<void>(to_srgba8(picture, bytes));
   return bytes;
 }
 

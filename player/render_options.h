@@ -77,7 +77,7 @@ struct RenderOptions {
   bool depths = false;            ///< also makes Frame::depths; the picture is the same
 };
 
-/// Cancellation and progress of one call of Renderer::render() or fit().
+/// Cancellation of one call of Renderer::render() or fit(), and progress of render().
 struct RenderControl {
   /// A stop request ends the call with kCancelled within milliseconds.
   std::stop_token stop = {};

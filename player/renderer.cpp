@@ -360,12 +360,8 @@ Result<void> Renderer::select(const Selection& selection) {
 Result<Camera> Renderer::fit(const Camera& camera, const RenderOptions& options,
                              std::optional<std::span<const StructureIndex>> structures,
                              const PictureRegion& region, const RenderControl& control) {
-  const auto report = [&control](double) {
-    if (control.progress) control.progress(0);
-  };
   return impl_->guarded([&] {
-    TaskControl task(control.stop, report, &impl_->atlas->work_budget());
-    task.begin_stage(1, 3);  // classes, surfaces, extents
+    const TaskControl task(control.stop, {}, &impl_->atlas->work_budget());
     return impl_->fit(camera, options, structures, region);
   });
 }

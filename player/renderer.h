@@ -102,7 +102,7 @@ class Renderer {
   /// Reads and decodes the data of the picture, and nothing else; for drafts within a budget only the runs,
   /// with those of damaged values, and surfaces that are quick to derive, which may reach some voxels less or
   /// more. Damaged parts do not count; the next frame lists them. The result does not depend on the number of
-  /// threads. Reports 0 as progress. Errors as for render(), and kUsage for an invalid region. Cost: linear
+  /// threads. Errors as for render(), and kUsage for an invalid region. Cost: linear
   /// in the runs in the selection's bounding box and in the vertices of its surfaces.
   [[nodiscard]] Result<Camera> fit(const Camera& camera, const RenderOptions& options = {},
                                    std::optional<std::span<const StructureIndex>> structures = std::nullopt,

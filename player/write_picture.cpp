@@ -35,9 +35,8 @@ Result<void> write_picture(const Picture& picture, const std::filesystem::path& 
                            std::optional<Rgb> background) {
   SPLATLAS_RETURN_IF_ERROR(PictureEncoder::check_ending(path));
   SPLATLAS_RETURN_IF_ERROR(PictureEncoder::check_size(path, picture.size, background));
-  Picture to_encode = picture;
-  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes,
-                            PictureEncoder(path).encode(to_encode, background));
+  SPLATLAS_ASSIGN_OR_RETURN(const Bytes bytes,
+                            named(PictureEncoder(path).encode_file(picture, background), path));
   return write_file(path, bytes);
 }
 

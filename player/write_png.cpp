@@ -1,15 +1,31 @@
 #include "player/write_png.h"
 
 #include <cstdint>
+#include <cstdio>
 #include <limits>
+#include <memory>
+#include <new>
+#include <span>
 
 #include <png.h>
 
 #include "format/io/output_file.h"
 #include "format/result_macros.h"
+#include "format/tasks/task_control.h"
 
 namespace splatlas {
 namespace {
+
+/// Appends what libpng writes to a vector; 0 without memory, and in a task that is to stop.
+ssize_t append(void* bytes, const char* data, std::size_t size) try {
+  const std::span piece = std::as_bytes(std::span(data, size));
+  auto& all = *static_cast<std::vector<std::byte>*>(bytes);
+  if (is_task_stopped()) return 0;
+  all.insert(all.end(), piece.begin(), piece.end());
+  return static_cast<ssize_t>(size);
+} catch (const std::bad_alloc&) {
+  return 0;
+}
 
 Result<std::vector<std::byte>> encode(const PictureSize& picture_size, png_uint_32 format,
                                       const void* pixels) {
@@ -18,14 +34,17 @@ Result<std::vector<std::byte>> encode(const PictureSize& picture_size, png_uint_
   image.width = static_cast<png_uint_32>(picture_size.width);
   image.height = static_cast<png_uint_32>(picture_size.height);
   image.format = format;
-  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);  // upper bound
-  std::vector<std::byte> bytes(size);
-  if (png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels, 0, nullptr) == 0) {
-    // The buffer is large enough: libpng is out of memory, or the picture is empty.
+  std::vector<std::byte> bytes;
+  const std::unique_ptr<FILE, int (*)(FILE*)> file(
+      ::fopencookie(&bytes, "wb", {.read = nullptr, .write = append, .seek = nullptr, .close = nullptr}),
+      std::fclose);
+  if (png_image_write_to_stdio(&image, file.get(), 0, pixels, 0, nullptr) == 0 ||
+      std::fflush(file.get()) != 0) {
+    if (is_task_stopped()) throw Cancelled();
+    // libpng is out of memory, or the picture is empty.
     return fail(image.width == 0 || image.height == 0 ? ErrorCode::kFailed : ErrorCode::kLimit,
                 image.message);
   }
-  bytes.resize(size);
   return bytes;
 }
 

@@ -20,6 +20,7 @@
 
 #include "format/io/checksum.h"
 #include "format/result_macros.h"
+#include "format/tasks/task_control.h"
 
 namespace splatlas {
 namespace {
@@ -140,8 +141,10 @@ struct Unfinished {
     RunningChecksum read;
     std::vector<std::byte> piece(std::size_t{1} << 20);
     ssize_t got = 0;
-    for (off_t at = 0; (got = ::pread(descriptor, piece.data(), piece.size(), at)) > 0; at += got)
+    for (off_t at = 0; (got = ::pread(descriptor, piece.data(), piece.size(), at)) > 0; at += got) {
+      if (is_task_stopped()) throw Cancelled();
       read.add(std::span(piece).first(static_cast<std::size_t>(got)));
+    }
     if (got < 0) return error();
     if (read.value() == written->value()) return {};
     return cannot_write(path, "other bytes come back from the disk than were written");
@@ -200,8 +203,10 @@ fs::path OutputFile::temporary() const {
 
 Result<void> OutputFile::write(std::span<const std::byte> bytes) {
   if (!file_->written) file_->written.emplace();
+  constexpr std::size_t kPiece = std::size_t{1} << 23;  // takes milliseconds
   while (!bytes.empty()) {
-    const ssize_t written = ::write(file_->descriptor, bytes.data(), bytes.size());
+    if (is_task_stopped()) throw Cancelled();
+    const ssize_t written = ::write(file_->descriptor, bytes.data(), std::min(bytes.size(), kPiece));
     if (written < 0) return file_->error();
     file_->written->add(bytes.first(static_cast<std::size_t>(written)));
     bytes = bytes.subspan(static_cast<std::size_t>(written));

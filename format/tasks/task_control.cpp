@@ -107,9 +107,7 @@ void TaskControl::charge(double cpu_seconds) {
 void TaskControl::check() {
   // The clock of a thread takes a system call. No thread uses more CPU time than passes on the wall.
   constexpr double kInterval = 0.005;
-  for (const TaskControl* task = this; task != nullptr; task = task->outer_) {
-    if (task->stop_.stop_requested()) throw Cancelled();
-  }
+  if (is_task_stopped()) throw Cancelled();
   if (tick_seconds() - charged_at < kInterval) return;
   charge(uncharged_seconds());
   for (const TaskControl* task = this; task != nullptr; task = task->outer_) {
@@ -120,6 +118,12 @@ void TaskControl::check() {
 
 void check_task() {
   if (current_task != nullptr) current_task->check();
+}
+
+bool is_task_stopped() {
+  const TaskControl* task = current_task;
+  while (task != nullptr && !task->stop_.stop_requested()) task = task->outer_;
+  return task != nullptr;
 }
 
 double max_memory() {

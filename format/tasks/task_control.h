@@ -61,6 +61,7 @@ class TaskControl {
 
  private:
   friend void check_task();
+  friend bool is_task_stopped();
   friend double max_memory();
   friend void check_memory(double bytes);
   void check();
@@ -84,6 +85,10 @@ class TaskControl {
 /// Throws Cancelled when this thread works on a task that is to stop, and OverBudget when the task has used
 /// up its CPU time. Every loop that can take milliseconds calls it. Cost: some ten nanoseconds.
 void check_task();
+
+/// True when this thread works on a task that is to stop: for callbacks that must not throw, and for work
+/// that no budget limits.
+[[nodiscard]] bool is_task_stopped();
 
 /// Calls check_task() every 2^14th time: for loops with steps of nanoseconds.
 class TaskPace {

@@ -10,6 +10,7 @@
 #include <zlib.h>
 
 #include "format/result_macros.h"
+#include "format/tasks/task_control.h"
 #include "player/files/draw_annotations.h"
 #include "player/write_png.h"
 
@@ -114,8 +115,10 @@ Result<Bytes> encode_pixels(void* function, const PixelsToEncode& pixels) {
     static_cast<Bytes*>(context)->assign(begin, begin + size);
   };
   std::array<char, 512> error{};
-  if (reinterpret_cast<EncodePixels>(function)(&pixels, take, &bytes, error.data(), error.size()) != 0)
-    return fail(ErrorCode::kFailed, error.data());
+  const int status = reinterpret_cast<EncodePixels>(function)(&pixels, take, &bytes, is_task_stopped,
+                                                              error.data(), error.size());
+  if (is_task_stopped()) throw Cancelled();
+  if (status != 0) return fail(ErrorCode::kFailed, error.data());
   return bytes;
 }
 
@@ -152,12 +155,19 @@ Result<void> PictureEncoder::check_size(const std::filesystem::path& path, const
 Result<std::vector<std::byte>> PictureEncoder::encode(Picture& picture, std::optional<Rgb> background,
                                                       const FileAnnotations& annotations) {
   SPLATLAS_RETURN_IF_ERROR(check_ending(path_));
-  auto bytes = encode_file(picture, background, annotations);
+  const auto draw_and_encode = [&]() -> Result<Bytes> {
+    if (annotations.layer != nullptr && ending_ != ".svg" && ending_ != ".pdf") {
+      const std::optional<Rgb> under = ending_ == ".exr" ? std::nullopt : background;
+      SPLATLAS_RETURN_IF_ERROR(draw_annotations(picture, *annotations.layer, under, annotations.drawer));
+    }
+    return encode_file(picture, background, annotations);
+  };
+  auto bytes = draw_and_encode();
   if (bytes) return bytes;
   return fail(ErrorCode::kFailed, "{}: cannot be encoded: {}", path_.string(), bytes.error().message);
 }
 
-Result<Bytes> PictureEncoder::encode_file(Picture& picture, std::optional<Rgb> background,
+Result<Bytes> PictureEncoder::encode_file(const Picture& picture, std::optional<Rgb> background,
                                           const FileAnnotations& annotations) {
   if (ending_ == ".svg") return encode_svg(picture, background, annotations);
   if (ending_ == ".pdf") {
@@ -165,10 +175,6 @@ Result<Bytes> PictureEncoder::encode_file(Picture& picture, std::optional<Rgb> b
       return encode_pdf(*annotations.drawer, picture, background, annotations);
     TextDrawer drawer({});
     return encode_pdf(drawer, picture, background, annotations);
-  }
-  if (annotations.layer != nullptr) {
-    const std::optional<Rgb> under = ending_ == ".exr" ? std::nullopt : background;
-    SPLATLAS_RETURN_IF_ERROR(draw_annotations(picture, *annotations.layer, under, annotations.drawer));
   }
   if (ending_ == ".png") {
     SPLATLAS_ASSIGN_OR_RETURN(Bytes png, encode_png(picture, background));

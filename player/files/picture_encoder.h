@@ -54,12 +54,13 @@ class PictureEncoder {
   /// annotations into the picture, or writes them as vectors into documents. kFailed for errors of modules
   /// and their libraries. Memory: picture_bytes() beside the picture; documents twice that.
   [[nodiscard]] Result<std::vector<std::byte>> encode(Picture& picture, std::optional<Rgb> background,
-                                                      const FileAnnotations& annotations = {});
+                                                      const FileAnnotations& annotations);
+  /// The same, but draws no annotations into pixels, and errors do not name the file.
+  [[nodiscard]] Result<std::vector<std::byte>> encode_file(const Picture& picture,
+                                                           std::optional<Rgb> background,
+                                                           const FileAnnotations& annotations = {});
 
  private:
-  [[nodiscard]] Result<std::vector<std::byte>> encode_file(Picture& picture, std::optional<Rgb> background,
-                                                           const FileAnnotations& annotations);
-
   std::filesystem::path path_;
   std::string ending_;
   std::future<Result<void*>> module_;  // the module's encode function

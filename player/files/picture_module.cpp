@@ -1,5 +1,7 @@
 #include "player/files/picture_module.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdio>
 #include <exception>
 #include <memory>
@@ -49,8 +51,8 @@ OIIO::ImageSpec spec_of(const splatlas::PixelsToEncode& pixels, const std::strin
 
 // Encodes to memory, because libjpeg terminates the program if the disk is full.
 extern "C" __attribute__((visibility("default"))) int splatlas_encode_pixels(
-    const splatlas::PixelsToEncode* pixels, splatlas::TakeBytes take, void* context, char* error,
-    std::size_t error_size) try {
+    const splatlas::PixelsToEncode* pixels, splatlas::TakeBytes take, void* context,
+    splatlas::IsStopped is_stopped, char* error, std::size_t error_size) try {
   // Create the output for the format
   const std::string ending = pixels->ending;
   const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(ending.substr(1));
@@ -65,8 +67,13 @@ extern "C" __attribute__((visibility("default"))) int splatlas_encode_pixels(
   OIIO::Filesystem::IOVecOutput memory(bytes);
   OIIO::Filesystem::IOProxy* proxy = &memory;
   spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
-  if (!output->open("picture" + ending, spec) || !output->write_image(spec.format, pixels->pixels) ||
-      !output->close()) {
+  bool is_written = output->open("picture" + ending, spec);
+  constexpr int kRows = 64;  // in tens of milliseconds; whole strips of every format
+  const auto* row = static_cast<const std::byte*>(pixels->pixels);
+  for (int y = 0; is_written && y < spec.height && !is_stopped();
+       y += kRows, row += kRows * spec.scanline_bytes())
+    is_written = output->write_scanlines(y, std::min(y + kRows, spec.height), 0, spec.format, row);
+  if (!is_written || !output->close()) {
     report(error, error_size, output->geterror());
     return 1;
   }

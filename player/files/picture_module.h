@@ -21,9 +21,12 @@ struct PixelsToEncode {
 /// Receives all bytes of the file in one call.
 using TakeBytes = void (*)(void* context, const void* bytes, std::size_t size);
 
+/// Called now and then. True ends the work with an undefined result.
+using IsStopped = bool (*)();
+
 /// Returns 0, or 1 with one line of text in `error`, a buffer of `error_size` bytes.
-using EncodePixels = int (*)(const PixelsToEncode* pixels, TakeBytes take, void* context, char* error,
-                             std::size_t error_size);
+using EncodePixels = int (*)(const PixelsToEncode* pixels, TakeBytes take, void* context,
+                             IsStopped is_stopped, char* error, std::size_t error_size);
 
 inline constexpr const char* kPictureModule = "libsplatlas_pictures.so";
 inline constexpr const char* kEncodePixelsName = "splatlas_encode_pixels";

@@ -1,16 +1,15 @@
 // splatlas._engine: atlases as arrays, and pictures of a PageEngine, for the package in splatlas/.
-// Calls of one Player take turns. They release the interpreter, and Ctrl+C ends the drawing of pictures.
+// Calls of one Player take turns. Work is done on threads of its own, so that Ctrl+C ends it.
 #include <array>
-#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <future>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <stop_token>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -34,22 +33,12 @@ namespace {
 
 using Shape = std::vector<py::ssize_t>;
 
-/// An Error on its way to Python.
-struct Failure {
-  Error error;
-};
-
 /// `subject` is for errors without one.
 template <typename T>
 T value_or_fail(Result<T> result, const std::string& subject = {}) {
   if (!result && result.error().subject.empty()) result.error().subject = subject;
-  if (!result) throw Failure{result.error()};
+  if (!result) throw result.error();
   if constexpr (!std::is_void_v<T>) return *std::move(result);
-}
-
-const char* kind_of(ErrorCode code) {
-  constexpr std::array kKinds{"failed", "usage", "invalid atlas", "not found", "limit", "cancelled"};
-  return kKinds[static_cast<std::size_t>(code)];
 }
 
 /// Without the interpreter.
@@ -57,6 +46,29 @@ template <typename Work>
 auto released(const Work& work) {
   const py::gil_scoped_release release;
   return work();
+}
+
+/// Ctrl+C ends `work`, a task with the budget on a thread of its own: this one asks the interpreter every 50
+/// ms, as waiting for it takes time.
+template <typename Work>
+auto interruptible(const WorkBudget* budget, const Work& work) {
+  std::stop_source stop;
+  auto result = std::async(std::launch::async, [&] {
+    try {
+      const TaskControl task(stop.get_token(), {}, budget);
+      return work();
+    } catch (const OverBudget& over) {
+      throw over.error();
+    }
+  });
+  while (released([&] { return result.wait_for(std::chrono::milliseconds(50)); }) !=
+         std::future_status::ready) {
+    if (PyErr_CheckSignals() == 0) continue;
+    stop.request_stop();
+    released([&] { result.wait(); });
+    throw py::error_already_set();
+  }
+  return result.get();
 }
 
 /// An array that owns `values`: columns first (the first index varies fastest) or rows first.
@@ -76,7 +88,8 @@ py::array array_of(std::vector<T> values, const py::dtype& type, const Shape& sh
 /// What `read` makes of the content without grey values: voxels in the order of the source.
 template <typename Read>
 py::array voxels(const Atlas& atlas, const Read& read) {
-  VoxelBuffer buffer = released([&] { return read(value_or_fail(atlas.read_classes(), atlas.name())); });
+  VoxelBuffer buffer = interruptible(&atlas.work_budget(),
+                                     [&] { return read(value_or_fail(atlas.read_classes(), atlas.name())); });
   const py::dtype type(name_of(buffer.type));
   const auto& size = atlas.source_grid().size;
   return array_of(std::move(buffer.bytes), type, {size[0], size[1], size[2]}, true);
@@ -95,28 +108,28 @@ class Player {
   [[nodiscard]] const Atlas& atlas() const { return *atlas_; }
 
   std::string call(const std::string& request) {
-    const Turn turn(*this);
-    return answer_of(request);
+    return in_turn([&] { return answer_of(request); });
   }
 
   /// Draws, moves the picture to `frame`, and numbers its selection. `select` is the request's.
   std::string draw(const std::string& request, const std::string& select, Frame& frame,
                    std::size_t& selection) {
-    const Turn turn(*this);
-    if (std::exchange(select_, select) != select) ++selections_;
-    selection = selections_;
-    std::string answer = answer_of(request);
-    frame = engine_.take_frame(take_spare());
-    return answer;
+    return in_turn([&] {
+      if (std::exchange(select_, select) != select) ++selections_;
+      selection = selections_;
+      std::string answer = answer_of(request);
+      frame = engine_.take_frame(take_spare());
+      return answer;
+    });
   }
 
   [[nodiscard]] std::optional<Pick> pick(const Frame& frame, std::size_t selection, double x, double y) {
-    const Turn turn(*this);
-    if (selection != selections_)
-      throw Failure{{ErrorCode::kUsage,
-                     "the renderer shows another selection by now; render the picture again to pick in it",
-                     {}}};
-    return released([&] { return frame.pick(x, y); });
+    return in_turn([&] {
+      if (selection == selections_) return frame.pick(x, y);
+      throw Error{ErrorCode::kUsage,
+                  "the renderer shows another selection by now; render the picture again to pick in it",
+                  {}};
+    });
   }
 
   /// Keeps the memory of a picture for the next one.
@@ -126,41 +139,20 @@ class Player {
   }
 
  private:
-  /// The engine is one caller's at a time. Ctrl+C ends the wait; a handler of signals cannot wait for itself.
-  class Turn {
-   public:
-    explicit Turn(Player& player) : player_(player), lock_(player.mutex_, std::defer_lock) {
-      if (player.owner_ == std::this_thread::get_id())
-        throw Failure{{ErrorCode::kUsage, "the renderer is drawing; use another one", {}}};
-      while (!released([&] { return lock_.try_lock_for(std::chrono::milliseconds(50)); }))
-        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-      player.owner_ = std::this_thread::get_id();
-    }
-    ~Turn() { player_.owner_ = std::thread::id(); }
+  /// Ctrl+C also ends the wait for other callers.
+  template <typename Work>
+  std::invoke_result_t<Work> in_turn(const Work& work) {
+    return interruptible(nullptr, [&] {
+      std::unique_lock lock(mutex_, std::defer_lock);
+      while (!lock.try_lock_for(std::chrono::milliseconds(50))) check_task();
+      return work();
+    });
+  }
 
-   private:
-    Player& player_;
-    std::unique_lock<std::timed_mutex> lock_;
-  };
-
-  /// The engine's answer. Ctrl+C ends the call: asks the interpreter every 50 ms, as waiting for it takes
-  /// time.
   std::string answer_of(const std::string& request) {
-    std::stop_source stop;
-    auto asked = std::chrono::steady_clock::now();
-    const auto ask = [&](double) {
-      if (stop.stop_requested()) return;  // an exception is pending
-      const auto now = std::chrono::steady_clock::now();
-      if (now - asked < std::chrono::milliseconds(50)) return;
-      asked = now;
-      const py::gil_scoped_acquire acquire;
-      if (PyErr_CheckSignals() != 0) stop.request_stop();
-    };
-    PageAnswer answer = released([&] { return engine_.call(request, {}, {stop.get_token(), ask}); });
-    if (stop.stop_requested()) throw py::error_already_set();
-    if (answer.status != 0)
-      throw Failure{{static_cast<ErrorCode>(answer.status - 1), answer.text, answer.subject}};
-    return std::move(answer.text);
+    PageAnswer answer = engine_.call(request);
+    if (answer.status == 0) return std::move(answer.text);
+    throw Error{static_cast<ErrorCode>(answer.status - 1), answer.text, answer.subject};
   }
 
   Frame take_spare() {
@@ -171,7 +163,6 @@ class Player {
   std::shared_ptr<const Atlas> atlas_;
   RendererOptions options_;
   std::timed_mutex mutex_;  // of what follows
-  std::atomic<std::thread::id> owner_;
   PageEngine engine_;
   std::string select_;
   std::size_t selections_ = 0;
@@ -195,19 +186,21 @@ class Drawing {
   [[nodiscard]] Shape shape() const { return {frame_.picture.size.height, frame_.picture.size.width}; }
 
   [[nodiscard]] py::array srgb() const {
-    auto bytes = released(
-        [&] { return background_ ? to_srgb8(frame_.picture, *background_) : to_srgba8(frame_.picture); });
+    auto bytes = interruptible(nullptr, [&] {
+      return background_ ? to_srgb8(frame_.picture, *background_) : to_srgba8(frame_.picture);
+    });
     return array_of(std::move(bytes), py::dtype::of<std::uint8_t>(),
                     {shape()[0], shape()[1], background_ ? 3 : 4});
   }
 
   [[nodiscard]] py::bytes png() const {
-    const auto bytes = released([&] { return value_or_fail(encode_png(frame_.picture, background_)); });
+    const auto bytes =
+        interruptible(nullptr, [&] { return value_or_fail(encode_png(frame_.picture, background_)); });
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
   }
 
   void save(const std::string& path) const {
-    released([&] { value_or_fail(write_picture(frame_.picture, path, background_), path); });
+    interruptible(nullptr, [&] { value_or_fail(write_picture(frame_.picture, path, background_), path); });
   }
 
   [[nodiscard]] const Frame& frame() const { return frame_; }
@@ -247,11 +240,13 @@ std::vector<bool> below(const StructureGraph& graph, const std::vector<Structure
   return is_below;
 }
 
+void check_type(const Atlas& atlas, VoxelType type, const char* fault) {
+  if (type == VoxelType::kNone) throw Error{ErrorCode::kFailed, atlas.name() + ": " + fault, atlas.name()};
+}
+
 py::array labels(const Player& player, const std::vector<StructureIndex>& structures) {
   const Atlas& atlas = player.atlas();
-  if (atlas.label_type() == VoxelType::kNone)
-    throw Failure{
-        {ErrorCode::kFailed, atlas.name() + ": was built without a label map; use mask()", atlas.name()}};
+  check_type(atlas, atlas.label_type(), "was built without a label map; use mask()");
   return voxels(atlas, [&](const AtlasContent& content) {
     const std::vector<bool> is_wanted = below(atlas.graph(), structures);
     return value_or_fail(label_map(content, atlas.name(), "use mask()", is_wanted), atlas.name());
@@ -278,9 +273,7 @@ py::array mask(const Player& player, const std::vector<StructureIndex>& structur
 
 py::array volume(const Player& player) {
   const Atlas& atlas = player.atlas();
-  if (atlas.value_type() == VoxelType::kNone)
-    throw Failure{
-        {ErrorCode::kFailed, atlas.name() + ": has no grey values; build it with a volume", atlas.name()}};
+  check_type(atlas, atlas.value_type(), "has no grey values; build it with a volume");
   return voxels(atlas, [&](const AtlasContent& content) {
     return to_source_order(value_or_fail(atlas.read_value_volume(content.class_volume), atlas.name()),
                            content);
@@ -293,7 +286,7 @@ py::tuple surface(const Player& player, const std::vector<StructureIndex>& struc
   std::vector<double> vertices;
   std::vector<float> normals;
   std::vector<std::uint32_t> triangles;
-  released([&] {
+  interruptible(&atlas.work_budget(), [&] {
     const Affine to_lps = index_to_lps_mm(atlas.grid());
     for (const StructureIndex s : atlas.graph().descendants(structures)) {
       const SurfaceMesh mesh = value_or_fail(atlas.read_surface(s), atlas.name());
@@ -315,7 +308,21 @@ py::tuple surface(const Player& player, const std::vector<StructureIndex>& struc
                         array_of(std::move(normals), py::dtype::of<float>(), vertex_rows));
 }
 
-void define_player(py::module_& module) {
+PYBIND11_MODULE(_engine, module) {
+  static py::object& error_type = *new py::object(py::exception<Error>(module, "Error"));  // outlives Python
+  error_type.attr("kind") = "failed";
+  error_type.attr("subject") = "";
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(std::move(thrown));
+    } catch (const Error& failure) {
+      const py::object error = error_type(printable(failure.message));
+      constexpr std::array kKinds{"failed", "usage", "invalid atlas", "not found", "limit", "cancelled"};
+      error.attr("kind") = kKinds[static_cast<std::size_t>(failure.code)];
+      error.attr("subject") = printable(failure.subject);
+      PyErr_SetObject(error_type.ptr(), error.ptr());
+    }
+  });
   py::class_<Player, std::shared_ptr<Player>>(module, "Player")
       .def(py::init([](const std::string& path, unsigned threads, std::uint64_t memory, double max_work) {
         return released([&] {
@@ -333,40 +340,26 @@ void define_player(py::module_& module) {
       .def("mask", &mask)
       .def("volume", &volume)
       .def("surface", &surface);
-}
-
-void define_drawing(py::module_& module) {
   py::class_<Drawing>(module, "Drawing")
       .def(py::init<std::shared_ptr<Player>, const std::string&, const std::string&,
                     const std::optional<std::string>&>())
-      .def_readonly("answer", &Drawing::answer)
-      .def("emptiness", [](const Drawing& drawing) { return emptiness_of(drawing.frame()); })
-      .def("srgb", &Drawing::srgb)
-      .def("png", &Drawing::png)
-      .def("save", &Drawing::save)
-      .def("pick", &Drawing::pick)
-      .def_property_readonly("linear", &pixels<4, &Frame::picture, &Picture::rgba>)
-      .def_property_readonly("ids", &pixels<1, &Frame::ids, &IdImage::numbers>)
-      .def_property_readonly("depth", &pixels<1, &Frame::depths, &DepthMap::mm>);
-}
-
-PYBIND11_MODULE(_engine, module) {
-  static py::object& error_type =
-      *new py::object(py::exception<Failure>(module, "Error"));  // outlives Python
-  error_type.attr("kind") = kind_of(ErrorCode::kFailed);
-  error_type.attr("subject") = "";
-  py::register_exception_translator([](std::exception_ptr thrown) {
-    try {
-      if (thrown) std::rethrow_exception(std::move(thrown));
-    } catch (const Failure& failure) {
-      const py::object error = error_type(printable(failure.error.message));
-      error.attr("kind") = kind_of(failure.error.code);
-      error.attr("subject") = printable(failure.error.subject);
-      PyErr_SetObject(error_type.ptr(), error.ptr());
-    }
-  });
-  define_player(module);
-  define_drawing(module);
+      .def_readonly("_answer", &Drawing::answer)
+      .def("_emptiness", [](const Drawing& drawing) { return emptiness_of(drawing.frame()); })
+      .def("_save", &Drawing::save)
+      .def("_pick", &Drawing::pick)
+      .def("_repr_png_", &Drawing::png)
+      .def_property_readonly("array", &Drawing::srgb,
+                             "(height, width, 3) uint8: sRGB; with background None (height, width, 4), the "
+                             "last is straight alpha.")
+      .def_property_readonly("linear", &pixels<4, &Frame::picture, &Picture::rgba>,
+                             "(height, width, 4) float32: linear RGB, premultiplied by alpha, without "
+                             "background. Read only.")
+      .def_property_readonly("ids", &pixels<1, &Frame::ids, &IdImage::numbers>,
+                             "(height, width) uint16: 1 + index of the structure of each pixel, 0 for none; "
+                             "None without ids=True. Read only.")
+      .def_property_readonly("depth", &pixels<1, &Frame::depths, &DepthMap::mm>,
+                             "(height, width) float32: mm behind the plane of the centre, inf for none; None "
+                             "without depth=True. Read only.");
   module.def("parse_cuts", [](const std::string& text) {
     std::vector<std::pair<Vec3, double>> planes;
     for (const CutPlane& plane : value_or_fail(parse_cuts(text), "cuts"))

@@ -226,6 +226,7 @@ struct PageEngine::Call {
     SPLATLAS_ASSIGN_OR_RETURN(const Selection selection,
                               resolve_selection(terms, atlas.graph()).map_error(told));
     SPLATLAS_ASSIGN_OR_RETURN(const auto warnings, selection_warnings(terms, atlas));
+    engine.selected_.reset();  // a stop leaves nothing selected
     SPLATLAS_RETURN_IF_ERROR(renderer->select(selection));
     engine.selected_ = text;
     engine.warnings_ = warnings;

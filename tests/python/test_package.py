@@ -1,5 +1,6 @@
 """The package splatlas: arrays against nibabel and closed forms, pictures against splatlas-player."""
 import concurrent.futures
+import functools
 import os
 import pathlib
 import re
@@ -233,11 +234,13 @@ class Package(unittest.TestCase):
         self.assertIn("Liver", page.html)
 
     def test_ctrl_c_ends_a_picture(self):
-        atlas = self.boxes()
-        timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
-        timer.start()
-        with self.assertRaises(KeyboardInterrupt):
-            atlas.render("*:volume(opacity=0.1)", size=(9000, 9000), quality="high", azimuth=20)
+        atlas, files = self.boxes(), list(self.folder.iterdir())
+        large = atlas.render("Liver", size=(4000, 4000), quality="draft")
+        for work in (lambda: atlas.render("*:volume(opacity=0.1)", size=(9000, 9000), quality="high", azimuth=20),
+                     *(functools.partial(large.save, self.folder / f"a.{ending}") for ending in ("png", "tif", "exr"))):
+            threading.Timer(0.05, signal.raise_signal, [signal.SIGINT]).start()
+            self.assertRaises(KeyboardInterrupt, work)
+        self.assertEqual(list(self.folder.iterdir()), files)
         atlas.render("Liver", size=(8, 8))
 
     def test_threads_share_atlases_and_nothing_leaks(self):

@@ -46,58 +46,35 @@ class Structure:
 Names = Union[str, Structure, Iterable[Union[str, Structure]]]
 
 
-class Picture:
+class Picture(_engine.Drawing):
     """A rendered picture. It shows itself in notebooks."""
 
     def __init__(self, renderer: Renderer, request: dict, background: str | None):
         self._structures = renderer.atlas.structures
-        self._drawing = _engine.Drawing(
+        super().__init__(
             renderer._player(), json.dumps(request, default=lambda number: number.tolist()), request["select"],
             background)
-        answer = json.loads(self._drawing.answer)
+        answer = json.loads(self._answer)
         if "drawn" in answer:  # another selection, whose warnings are told once
             renderer._warnings = answer["warnings"]
-        for line in [*renderer._warnings, self._drawing.emptiness(), *answer["missing"]]:
+        for line in [*renderer._warnings, self._emptiness(), *answer["missing"]]:
             if line:
                 warnings.warn(line, Warning, stacklevel=3)
         #: camera: azimuth, elevation (degrees), zoom, center (RAS mm), projection, fieldOfView (degrees)
         self.camera: dict[str, Any] = _flipped_center(answer["camera"])
         self.ms: float = answer["ms"]  #: time of the engine
 
-    @property
-    def array(self) -> np.ndarray:
-        """(height, width, 3) uint8 sRGB, or (height, width, 4) with straight alpha if the background is None."""
-        return self._drawing.srgb()
-
-    @property
-    def linear(self) -> np.ndarray:
-        """(height, width, 4) float32: linear RGB, premultiplied by alpha, without background. Read only."""
-        return self._drawing.linear
-
-    @property
-    def ids(self) -> np.ndarray | None:
-        """(height, width) uint16: 1 + index of the structure of each pixel, 0 for none; needs ids=True."""
-        return self._drawing.ids
-
-    @property
-    def depth(self) -> np.ndarray | None:
-        """(height, width) float32: mm behind the plane of the centre, inf for none; needs depth=True."""
-        return self._drawing.depth
-
     def pick(self, x: float, y: float) -> tuple[Structure, np.ndarray] | None:
         """The structure at column x and row y, counted from the top left corner, and its point in RAS mm.
 
         None for the background. An error once the renderer shows another selection.
         """
-        found = self._drawing.pick(x, y)
+        found = self._pick(x, y)
         return found and (self._structures[found[0]], np.array(_flipped(found[1])))
 
     def save(self, path: str | os.PathLike) -> None:
         """Writes .png, .jpg, .tif, .exr (float), .svg or .pdf: whole, or not at all."""
-        self._drawing.save(os.fspath(path))
-
-    def _repr_png_(self) -> bytes:
-        return self._drawing.png()
+        self._save(os.fspath(path))
 
 
 class Renderer:
@@ -123,19 +100,35 @@ class Renderer:
                quality: str = "normal", shading: bool = True, depth_cue: bool = False,
                draft_budget_ms: float = 0, background: str | None = "#000000", ids: bool = False,
                depth: bool = False) -> Picture:
-        """Renders a selection; by default everything.
+        """Draws a selection.
 
-        select: selection, as of `splatlas-player render --select`. scene: the name of a scene, whose values
-            the others replace.
-        size: (width, height) in pixels.
-        view: anterior, posterior, left, right, superior or inferior; or azimuth and elevation in degrees.
-        zoom: relative to the fit of the selection, or of the structure `focus`; multiplies that of a scene.
-        center: middle in RAS mm.
-        camera: the camera of another picture, in place of zoom, center and focus; a view, azimuth and elevation
-            turn it.
-        cuts: {"left": 0}: removes what lies further left than 0 mm; or texts as of --cut, in LPS mm. caps: values,
-            labels, both or none. quality: draft, normal or high.
-        background: "#rrggbb"; None: transparent.
+        Parameters
+        ----------
+        select : str
+            As of `splatlas-player render --select`; None: that of the scene, or everything.
+        scene : str
+            Name of a scene, whose values the others replace.
+        size : (int, int)
+            Width and height in pixels.
+        view : str
+            anterior, posterior, left, right, superior or inferior; or `azimuth` and `elevation` in degrees.
+        zoom : float
+            Relative to the fit of the selection, or of the structure `focus`; multiplies that of a scene.
+        center : (3,) floats
+            Middle of the picture in RAS mm.
+        camera : dict
+            `Picture.camera`, in place of zoom, center and focus; view, azimuth and elevation turn it.
+        projection, caps, quality : str
+            perspective or parallel; values, labels, both or none; draft, normal or high.
+        cuts : dict or list of str
+            {"left": 0} removes what lies further left than 0 mm; or texts as of `--cut`, in LPS mm.
+        background : str
+            "#rrggbb"; None: transparent.
+
+        Raises
+        ------
+        Error, ValueError
+            "not found" for unknown structures; ValueError for views, scenes, cameras and a closed atlas.
         """
         shown = self.atlas._named("scene", scene) if scene is not None else {}
         placed = {key: shown[key] for key in ("azimuth", "elevation", "projection") if key in shown}
@@ -174,9 +167,20 @@ class Renderer:
 
 
 class Atlas(Renderer, contextlib.AbstractContextManager):
-    """An open atlas. Reading is lazy; threads may share it. `close()` or `with` ends it."""
+    """An atlas file. Parts are read when they are needed. `close()` or `with` ends it; threads may share it.
 
-    def __init__(self, path: str | os.PathLike, threads: int = 0, memory: int = 0, max_work: float = 1):
+    Parameters
+    ----------
+    path : str or os.PathLike
+    threads : int
+        Of each renderer; 0: one per core.
+    memory : int
+        Bytes that decoded parts and pictures may take; 0: half of the machine's.
+    max_work : float
+        Limit of work in multiples of the usual one; below 1 for untrusted files.
+    """
+
+    def __init__(self, path: str | os.PathLike, *, threads: int = 0, memory: int = 0, max_work: float = 1):
         self.path = os.path.abspath(os.fspath(path))
         if "\0" in self.path:
             raise ValueError(f"{self.path!r}: holds a zero byte")
@@ -185,13 +189,11 @@ class Atlas(Renderer, contextlib.AbstractContextManager):
         #: the document of `splatlas-player info --json`
         self.info: dict[str, Any] = json.loads(player.call('{"call": "info"}'))
         grid = self.info["grid"]
-        #: (4, 4) float64: voxel indices of the arrays to RAS mm, as nibabel's
-        self.affine = np.eye(4)
-        self.affine[:3, :3] = np.reshape(grid["direction_lps"], (3, 3)) * grid["spacing_mm"]
-        self.affine[:3, 3] = grid["origin_lps_mm"]
-        self.affine[:2] = 0 - self.affine[:2]  # without -0
+        axes = np.reshape(grid["direction_lps"], (3, 3)) * grid["spacing_mm"]
+        #: (4, 4) float64: voxel indices of the arrays to RAS mm, as nibabel's; + 0.0: no -0
+        self.affine = np.vstack((np.c_[axes, grid["origin_lps_mm"]] * ((-1,), (-1,), (1,)), np.eye(4)[3])) + 0.0
         self.shape: tuple[int, ...] = tuple(grid["size"])
-        mm3 = abs(np.linalg.det(np.reshape(grid["direction_lps"], (3, 3)))) * np.prod(grid["spacing_mm"])
+        mm3 = abs(np.linalg.det(axes))
         self.structures: tuple[Structure, ...] = tuple(
             Structure(index, one["id"], one["name"], tuple(one["parents"]), one["color"], one.get("label"),
                       tuple((term["vocabulary"], term["value"]) for term in one.get("terms", [])),
@@ -269,13 +271,7 @@ class Atlas(Renderer, contextlib.AbstractContextManager):
         return choice[name.casefold()]
 
 
-def open(path: str | os.PathLike, *, threads: int = 0, memory: int = 0, max_work: float = 1) -> Atlas:
-    """Opens an atlas file.
-
-    threads: of each renderer, 0: one per core. memory: bytes that decoded parts and pictures may take, 0: half
-    of the machine's. max_work: limit of work in multiples of the usual one; below 1 for untrusted files.
-    """
-    return Atlas(path, threads, memory, max_work)
+open = Atlas
 
 
 def _flipped(point: Sequence[float]) -> list[float]:

@@ -145,14 +145,12 @@ def _storable(array: np.ndarray, what: str) -> np.ndarray:
     """The array with a type that atlases have, and the same values."""
     if array.dtype.kind not in "buif":
         raise ValueError(f"{what}: an array of {array.dtype}; it must hold integers, floats or booleans")
-    wider = {"bool": "uint8", "float16": "float32", "float128": "float64"}.get(array.dtype.name, array.dtype.name)
-    if wider in ("int64", "uint64"):
-        fitting = [name for name in ("int32", "uint32") if np.can_cast(np.min_scalar_type(array.min()), name)
-                   and np.can_cast(np.min_scalar_type(array.max()), name)]
-        if not fitting:
-            raise ValueError(f"{what}: holds {array.min()} to {array.max()}; an atlas has integers of 32 bits")
-        wider = fitting[0]
-    return array.astype(wider)
+    integer = "int32" if array.min() < 0 else "uint32"
+    types = {"bool": "uint8", "float16": "float32", "float128": "float64", "int64": integer, "uint64": integer}
+    stored = array.astype(types.get(array.dtype.name, array.dtype))
+    if array.dtype.kind in "iu" and not np.array_equal(stored, array):
+        raise ValueError(f"{what}: holds {array.min()} to {array.max()}; an atlas has integers of 32 bits")
+    return stored
 
 
 def _names_file(names: Any, path: pathlib.Path) -> str:
