@@ -179,14 +179,15 @@ class Package(unittest.TestCase):
                 ("usage", "size", lambda: draw(size=(0, 9))), ("usage", "quality", lambda: draw(quality="best")),
                 ("usage", "background", lambda: draw(background="red!")), ("usage", "", lambda: picture.pick(1, 1)),
                 ("usage", "cuts", lambda: draw(cuts={"up": 3})), ("usage", "a.bmp", lambda: picture.save("a.bmp")),
-                ("failed", f"{self.folder}/none.atlas", lambda: splatlas.open(self.folder / "none.atlas")),
+                ("failed", f"{self.folder}/\\xff", lambda: splatlas.open(os.fsencode(self.folder) + b"/\xff")),
                 ("invalid atlas", __file__, lambda: splatlas.open(__file__)),
                 ("failed", f"{self.folder}/none.nrrd", lambda: self.build(labels=self.folder / "none.nrrd"))):
             with self.assertRaises(splatlas.Error) as raised:
                 fault()
             self.assertEqual((raised.exception.kind, raised.exception.subject), (kind, subject), raised.exception)
         for fault in (lambda: draw(view="up"), lambda: draw(scene="none"), lambda: draw(zoom=0), lambda: draw(size=8),
-                      lambda: draw(size="8x8"), lambda: draw(azimuth="x"), lambda: draw(camera={"azimut": 3}),
+                      lambda: draw(size="8x8"), lambda: picture.save("a\0.png"), lambda: draw(center=(np.nan, 0, 0)),
+                      lambda: draw(azimuth="x"), lambda: draw(camera={"azimut": 3}),
                       lambda: draw(camera=picture.camera, zoom=2), lambda: self.build(labels="a", affine=np.eye(4)),
                       lambda: self.build(labels=boxes()), lambda: self.build(labels=picture.save, affine=np.eye(4)),
                       lambda: self.build(labels={"a=b": boxes()}, affine=np.eye(4)),

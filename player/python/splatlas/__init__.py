@@ -51,9 +51,8 @@ class Picture(_engine.Drawing):
 
     def __init__(self, renderer: Renderer, request: dict, background: str | None):
         self._structures = renderer.atlas.structures
-        super().__init__(
-            renderer._player(), json.dumps(request, default=lambda number: number.tolist()), request["select"],
-            background)
+        super().__init__(renderer._player(), json.dumps(
+            request, allow_nan=False, default=lambda number: number.tolist()), request["select"], background)
         answer = json.loads(self._answer)
         if "drawn" in answer:  # another selection, whose warnings are told once
             renderer._warnings = answer["warnings"]
@@ -67,14 +66,15 @@ class Picture(_engine.Drawing):
     def pick(self, x: float, y: float) -> tuple[Structure, np.ndarray] | None:
         """The structure at column x and row y, counted from the top left corner, and its point in RAS mm.
 
-        None for the background. An error once the renderer shows another selection.
+        None for the background. One ray decides; of `ids` the whole pixel, which differs at some outlines.
+        Error once the renderer shows another selection.
         """
         found = self._pick(x, y)
         return found and (self._structures[found[0]], np.array(_flipped(found[1])))
 
-    def save(self, path: str | os.PathLike) -> None:
+    def save(self, path: str | bytes | os.PathLike) -> None:
         """Writes .png, .jpg, .tif, .exr (float), .svg or .pdf: whole, or not at all."""
-        self._save(os.fspath(path))
+        self._save(_encoded(path))
 
 
 class Renderer:
@@ -124,11 +124,6 @@ class Renderer:
             {"left": 0} removes what lies further left than 0 mm; or texts as of `--cut`, in LPS mm.
         background : str
             "#rrggbb"; None: transparent.
-
-        Raises
-        ------
-        Error, ValueError
-            "not found" for unknown structures; ValueError for views, scenes, cameras and a closed atlas.
         """
         shown = self.atlas._named("scene", scene) if scene is not None else {}
         placed = {key: shown[key] for key in ("azimuth", "elevation", "projection") if key in shown}
@@ -180,11 +175,9 @@ class Atlas(Renderer, contextlib.AbstractContextManager):
         Limit of work in multiples of the usual one; below 1 for untrusted files.
     """
 
-    def __init__(self, path: str | os.PathLike, *, threads: int = 0, memory: int = 0, max_work: float = 1):
-        self.path = os.path.abspath(os.fspath(path))
-        if "\0" in self.path:
-            raise ValueError(f"{self.path!r}: holds a zero byte")
-        player = _engine.Player(self.path, threads, memory, max_work)
+    def __init__(self, path: str | bytes | os.PathLike, *, threads: int = 0, memory: int = 0, max_work: float = 1):
+        self.path = os.path.abspath(os.fsdecode(path))
+        player = _engine.Player(_encoded(self.path), threads, memory, max_work)
         super().__init__(None, player)
         #: the document of `splatlas-player info --json`
         self.info: dict[str, Any] = json.loads(player.call('{"call": "info"}'))
@@ -272,6 +265,12 @@ class Atlas(Renderer, contextlib.AbstractContextManager):
 
 
 open = Atlas
+
+
+def _encoded(path: str | bytes | os.PathLike) -> bytes:
+    if b"\0" in (encoded := os.fsencode(path)):
+        raise ValueError(f"{path!r}: holds a zero byte")
+    return encoded
 
 
 def _flipped(point: Sequence[float]) -> list[float]:

@@ -57,7 +57,7 @@ def build(output: str | os.PathLike, *, labels: Any = None, volume: Any = None, 
         raise ValueError("options: must be a list of words")
     with tempfile.TemporaryDirectory(prefix="splatlas-") as folder:
         files = pathlib.Path(folder)
-        words = ["build", f"--output={os.fspath(output)}", "--progress=none"]
+        words = ["build", f"--output={os.fsdecode(output)}", "--progress=none"]
         for number, (group, image) in enumerate(groups.items()):
             if image is not None:
                 path = _image_file(image, affine, files / f"labels{number or ''}.nrrd", "labels")
