@@ -137,15 +137,12 @@ struct Selection {
 [[nodiscard]] Result<std::vector<SelectionTerm>> parse_selection(std::string_view text);
 
 /// Applies the terms to the graph. kNotFound, with the column of the term, if a name or label is unknown or
-/// ambiguous.
+/// ambiguous. `colors`: [structure], in place of the graph's colours unless empty.
 /// The name "*" selects nothing in a graph without structures. Throws as check_task(). Cost: linear in the
 /// terms, the structures of each, and the graph; a pass over the graph for each path, pattern or term.
 [[nodiscard]] Result<Selection> resolve_selection(std::span<const SelectionTerm> terms,
-                                                  const StructureGraph& graph);
-/// Writes short selection text: one term per uniform subtree, removals for exceptions. Selection::parse() of
-/// it equals `selection` except for term numbers. `selection` must belong to this graph, with opacities in
-/// (0, 1] and valid styles (see VolumeStyle).
-[[nodiscard]] std::string to_text(const Selection& selection, const StructureGraph& graph);
+                                                  const StructureGraph& graph,
+                                                  std::span<const Rgb> colors = {});
 
 /// An added term that later terms make superfluous: they select its structures in the same way.
 struct HiddenTerm {

@@ -75,12 +75,12 @@ void restyle(const SelectionTerm& term, VolumeStyle& style) {
   if (style.low && style.high && !(*style.low < *style.high)) (term.low ? style.high : style.low).reset();
 }
 
-void add(const SelectionTerm& term, std::uint32_t number, const Structure& structure, StructureDraw& draw) {
-  if (draw.mode == DrawMode::kOff) draw.color = structure.color;
+void add(const SelectionTerm& term, std::uint32_t number, Rgb own_color, StructureDraw& draw) {
+  if (draw.mode == DrawMode::kOff) draw.color = own_color;
   const DrawMode mode = term.mode == DrawMode::kOff ? DrawMode::kVolume : term.mode;
   draw.mode = static_cast<DrawMode>(parts_of(draw.mode) | parts_of(mode));
   if (term.ghost != draw.ghost) draw.opacity.reset();
-  if (term.ghost || draw.ghost) draw.color = term.ghost ? kGhostColor : structure.color;
+  if (term.ghost || draw.ghost) draw.color = term.ghost ? kGhostColor : own_color;
   draw.ghost = term.ghost;
   if (term.opacity) draw.opacity = term.opacity;
   if (term.color) draw.color = *term.color;
@@ -184,17 +184,6 @@ bool Selection::empty() const {
                      [](const StructureDraw& draw) { return draw.mode == DrawMode::kOff; });
 }
 
-void apply_term(const SelectionTerm& term, std::uint32_t number, std::span<const StructureIndex> structures,
-                const StructureGraph& graph, Selection& selection) {
-  for (const StructureIndex s : structures) {
-    if (term.remove) {
-      remove(term.mode, selection.structures[s]);
-    } else {
-      add(term, number, graph[s], selection.structures[s]);
-    }
-  }
-}
-
 std::vector<std::size_t> application_order(std::span<const SelectionTerm> terms) {
   std::vector<std::size_t> order(terms.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -227,7 +216,8 @@ std::string remedy_for(const SelectionTerm& term, std::span<const SelectionTerm>
   return remedy;
 }
 
-Result<Selection> resolve_selection(std::span<const SelectionTerm> terms, const StructureGraph& graph) {
+Result<Selection> resolve_selection(std::span<const SelectionTerm> terms, const StructureGraph& graph,
+                                    std::span<const Rgb> colors) {
   const TargetFinder targets(graph, terms.size());
   const auto structures_of = [&](const SelectionTerm& term) -> Result<std::vector<StructureIndex>> {
     check_task();
@@ -257,7 +247,13 @@ Result<Selection> resolve_selection(std::span<const SelectionTerm> terms, const 
     const SelectionTerm& term = terms[order[number]];
     SPLATLAS_ASSIGN_OR_RETURN(const std::vector<StructureIndex> structures,
                               term.target == TermTarget::kRest ? rest : structures_of(term));
-    apply_term(term, number, structures, graph, selection);
+    for (const StructureIndex s : structures) {
+      if (term.remove) {
+        remove(term.mode, selection.structures[s]);
+      } else {
+        add(term, number, colors.empty() ? graph[s].color : colors[s], selection.structures[s]);
+      }
+    }
   }
   return selection;
 }

@@ -146,7 +146,7 @@ class Parser {
                                          "high=160 or curve=40:0/160:0.3"));
     }
     if (option->is_given(term)) return fault_at(start, fmt::format("{} is given twice", option->name));
-    if (option->write == nullptr) {
+    if (option->is_flag) {
       (void)option->read({}, term);  // a flag
       return {};
     }

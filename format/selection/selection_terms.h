@@ -1,4 +1,4 @@
-// Semantics and options of a selection term, shared by the parser and the formatter.
+// Semantics and options of the terms of a selection.
 #pragma once
 
 #include <cstddef>
@@ -13,10 +13,6 @@
 #include "format/content/selection.h"
 
 namespace splatlas {
-
-/// Applies term `number` (from 0) to `structures`. The caller includes descendants.
-void apply_term(const SelectionTerm& term, std::uint32_t number, std::span<const StructureIndex> structures,
-                const StructureGraph& graph, Selection& selection);
 
 /// Numbers of the terms in the order of application, which StructureDraw::term indexes: for the rest first.
 [[nodiscard]] std::vector<std::size_t> application_order(std::span<const SelectionTerm> terms);
@@ -44,13 +40,10 @@ struct SelectionOption {
   bool (*is_given)(const SelectionTerm& term);
   /// Parses a value. Leaves the term unchanged on error.
   OptionResult (*read)(std::string_view value, SelectionTerm& term);
-  /// Formats the value of a term with this option. read() restores it exactly. Null for a flag.
-  std::string (*write)(const SelectionTerm& term);
+  bool is_flag = false;  ///< without a value
 };
 
 /// Finds an option by name, ignoring the case of ASCII letters; null if there is none.
 [[nodiscard]] const SelectionOption* find_option(std::string_view name);
-/// The options that a term has, separated by commas: "opacity=0.4,color=#ff8800".
-[[nodiscard]] std::string write_options(const SelectionTerm& term);
 
 }  // namespace splatlas

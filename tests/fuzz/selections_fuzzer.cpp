@@ -8,6 +8,7 @@
 #include "format/content/transfer_curve.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/require.h"
+#include "tests/support/selection_text.h"
 
 namespace splatlas {
 namespace {
@@ -81,7 +82,7 @@ void fuzz_selections(FuzzInput input) {
     require(hidden.term < terms->size() && hidden.hidden_by < terms->size(), "a hidden term out of range");
     require(hidden.term != hidden.hidden_by && !(*terms)[hidden.term].remove, "a hidden term that is none");
   }
-  const std::string again = to_text(*selection, graph);
+  const std::string again = text_of(*selection, graph);
   require(have_same_appearance(require_value(Selection::parse(again, graph)), *selection),
           "a selection's text selects another one");
 }

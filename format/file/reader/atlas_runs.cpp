@@ -2,6 +2,7 @@
 
 #include "format/codec/mask_codec.h"
 #include "format/codec/run_codec.h"
+#include "format/derive/distinct_colors.h"
 #include "format/file/reader/atlas_impl.h"
 #include "format/result_macros.h"
 
@@ -131,6 +132,21 @@ Result<ClassRuns> Atlas::read_runs(ClassId c, Axis axis) const {
                                                  : impl_->derive_runs(c, axis);
   };
   return impl_->guarded(read, " for the runs of class {}", c);
+}
+
+Result<std::vector<Rgb>> Atlas::distinct_colors() const {
+  const auto find = [&]() -> Result<std::vector<Rgb>> {
+    std::vector<ClassRuns> runs(classes().size());
+    std::vector<std::optional<Rgb>> kept;
+    for (const Structure& structure : graph().structures())
+      kept.push_back(structure.external ? std::nullopt : std::optional(structure.color));
+    for (ClassId c = 0; c < runs.size(); ++c) {
+      for (const Membership& member : classes().members(c)) kept[member.structure].reset();
+      if (auto read = impl_->read_stored_runs(c, Axis::kZ)) runs[c] = std::move(*read);
+    }
+    return splatlas::distinct_colors(touching_structures(kept.size(), classes(), runs, grid().size), kept);
+  };
+  return impl_->guarded(find, " for the colours of structures");
 }
 
 }  // namespace splatlas

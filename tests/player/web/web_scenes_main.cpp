@@ -20,6 +20,7 @@
 #include "tests/fuzz/mutators.h"
 #include "tests/support/phantom_content.h"
 #include "tests/support/random_scene.h"
+#include "tests/support/selection_text.h"
 
 namespace splatlas {
 namespace {
@@ -77,7 +78,7 @@ Json state_of(const RandomScene& scene, const std::string& select) {
 /// Draws and writes the n-th scene.
 void write_scene(RandomScene& scene, std::uint32_t n, const std::filesystem::path& folder) {
   const Bytes atlas = value_or_throw(encode_atlas(scene.content));
-  const std::string select = to_text(scene.selection, scene.content.graph);
+  const std::string select = text_of(scene.selection, scene.content.graph);
   const Json state = state_of(scene, select);
   PageEngine engine({.threads = 1});
   ask(engine, {}, "open", atlas);

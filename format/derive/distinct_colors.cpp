@@ -1,0 +1,190 @@
+#include "format/derive/distinct_colors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "format/derive/value_groups.h"
+#include "format/tasks/task_control.h"
+
+namespace splatlas {
+namespace {
+
+using Matrix = std::array<Vec3, 3>;
+
+/// Linear RGB to what each of kSights sees of it (Machado et al. 2009, severity 1).
+constexpr std::array<Matrix, kSights.size()> kSeen{{
+    {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
+    {{{0.152286, 1.052583, -0.204868}, {0.114503, 0.786281, 0.099216}, {-0.003882, -0.048116, 1.051998}}},
+    {{{0.367322, 0.860646, -0.227968}, {0.280085, 0.672501, 0.047413}, {-0.011820, 0.042940, 0.968881}}},
+    {{{1.255528, -0.076749, -0.178779}, {-0.078411, 0.930809, 0.147602}, {0.004733, 0.691367, 0.303900}}},
+}};
+
+// OKLab: linear sRGB to cones, and their cube roots to lightness and two axes of colour.
+constexpr Matrix kCones{{{0.4122214708, 0.5363325363, 0.0514459929},
+                         {0.2119034982, 0.6806995451, 0.1073969566},
+                         {0.0883024619, 0.2817188376, 0.6299787005}}};
+constexpr Matrix kLab{{{0.2104542553, 0.7936177850, -0.0040720468},
+                       {1.9779984951, -2.4285922050, 0.4505937099},
+                       {0.0259040371, 0.7827717662, -0.8086757660}}};
+
+Vec3 times(const Matrix& m, const Vec3& v) {
+  Vec3 product;
+  for (std::size_t n = 0; n < 3; ++n) product[n] = m[n][0] * v[0] + m[n][1] * v[1] + m[n][2] * v[2];
+  return product;
+}
+
+/// A colour in OKLab, as each of kSights sees it.
+using SeenColor = std::array<Vec3, kSights.size()>;
+
+SeenColor seen(Rgb color) {
+  const Vec3 linear{decode_srgb(color.r / 255.0), decode_srgb(color.g / 255.0), decode_srgb(color.b / 255.0)};
+  SeenColor seen;
+  for (std::size_t n = 0; n < kSights.size(); ++n) {
+    Vec3 rgb = times(kSeen[n], linear);
+    for (double& channel : rgb) channel = std::clamp(channel, 0.0, 1.0);
+    Vec3 cones = times(kCones, rgb);
+    for (double& cone : cones) cone = std::cbrt(cone);
+    seen[n] = times(kLab, cones);
+  }
+  return seen;
+}
+
+double distance(const Vec3& a, const Vec3& b) {
+  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+}
+
+/// Of the sight that sees least of it.
+double distance(const SeenColor& a, const SeenColor& b) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t n = 0; n < kSights.size(); ++n) least = std::min(least, distance(a[n], b[n]));
+  return least;
+}
+
+/// Found by a search: of light colours, any two have a distance of at least 0.112 for every sight.
+constexpr std::array<std::uint32_t, 12> kPalette{0xeebb00, 0x5555ff, 0xdd0000, 0x66ddaa, 0xbb00bb, 0x55aa99,
+                                                 0xccbbff, 0xdd8822, 0xaaffff, 0x886677, 0xaa88ee, 0xffff00};
+
+Rgb rgb_of(std::uint32_t code) {
+  return {static_cast<std::uint8_t>(code >> 16), static_cast<std::uint8_t>(code >> 8 & 0xff),
+          static_cast<std::uint8_t>(code & 0xff)};
+}
+
+/// Distance at which colours are clearly apart: six times the just noticeable one.
+constexpr double kApart = 0.12;
+
+/// Sorts, and leaves each value once.
+template <typename T>
+void sort_once(std::vector<T>& values) {
+  std::ranges::sort(values);
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
+/// Classes that touch, in pairs a < b; the empty class has no part in them.
+std::vector<std::pair<ClassId, ClassId>> touching_classes(const ClassTable& classes,
+                                                          std::span<const ClassRuns> runs,
+                                                          const Index3& size) {
+  std::vector<ClassId> ids(runs.size());
+  std::iota(ids.begin(), ids.end(), kEmptyClass);
+  const std::vector<ClassSpan> spans = merge_runs(ids, runs);
+  std::vector<std::pair<ClassId, ClassId>> pairs;
+  std::vector<ClassId> latest(classes.size(), kEmptyClass);  // [smaller class]: most pairs come in sequence
+  TaskPace pace;
+  const auto touch = [&](ClassId a, ClassId b) {
+    pace.step();
+    if (a > b) std::swap(a, b);
+    if (a != b && std::exchange(latest[a], b) != b) pairs.emplace_back(a, b);
+  };
+  const auto end = [](const Run& run) { return std::uint64_t{run.start} + run.length; };
+  for (std::size_t n = 1; n < spans.size(); ++n) {
+    const Run &before = spans[n - 1].run, &run = spans[n].run;
+    if (before.scanline == run.scanline && end(before) == run.start) touch(spans[n - 1].of, spans[n].of);
+  }
+  const auto rows = static_cast<std::uint64_t>(size[1]);
+  for (const bool next_slice : {false, true}) {  // the same row of it; else the next row
+    std::size_t first = 0;
+    for (const ClassSpan& span : spans) {
+      const Run& run = span.run;
+      const std::uint64_t next = run.scanline + (next_slice ? rows : 1);
+      if (!next_slice && next % rows == 0) continue;
+      const auto is_before = [&](const Run& other) {
+        return other.scanline < next || (other.scanline == next && end(other) <= run.start);
+      };
+      while (first < spans.size() && is_before(spans[first].run)) ++first;
+      for (std::size_t n = first; n < spans.size(); ++n) {
+        if (spans[n].run.scanline != next || spans[n].run.start >= end(run)) break;
+        touch(span.of, spans[n].of);
+      }
+    }
+  }
+  sort_once(pairs);
+  return pairs;
+}
+
+}  // namespace
+
+std::vector<std::vector<StructureIndex>> touching_structures(std::size_t structures,
+                                                             const ClassTable& classes,
+                                                             std::span<const ClassRuns> runs,
+                                                             const Index3& size) {
+  std::vector<std::vector<StructureIndex>> touching(structures);
+  TaskPace pace;
+  const auto add = [&](ClassId a, ClassId b) {
+    for (const Membership& of_a : classes.members(a)) {
+      for (const Membership& of_b : classes.members(b)) {
+        pace.step();
+        if (of_a.structure == of_b.structure) continue;
+        touching[of_a.structure].push_back(of_b.structure);
+        touching[of_b.structure].push_back(of_a.structure);
+      }
+    }
+  };
+  for (ClassId c = 0; c < classes.size(); ++c) add(c, c);
+  for (const auto& [a, b] : touching_classes(classes, runs, size)) add(a, b);
+  std::ranges::for_each(touching, sort_once<StructureIndex>);
+  return touching;
+}
+
+double color_distance(Rgb a, Rgb b, Sight sight) {
+  const auto n = static_cast<std::size_t>(sight);
+  return distance(seen(a)[n], seen(b)[n]);
+}
+
+std::vector<Rgb> distinct_colors(std::span<const std::vector<StructureIndex>> neighbors,
+                                 std::span<const std::optional<Rgb>> given) {
+  std::array<SeenColor, kPalette.size()> palette;
+  for (std::size_t n = 0; n < palette.size(); ++n) palette[n] = seen(rgb_of(kPalette[n]));
+  std::vector<Rgb> colors(neighbors.size());
+  std::vector<std::optional<SeenColor>> found(neighbors.size());
+  std::vector<StructureIndex> order;
+  for (StructureIndex s = 0; s < neighbors.size(); ++s) {
+    if (given[s]) {
+      colors[s] = *given[s];
+      found[s] = seen(*given[s]);
+    } else {
+      order.push_back(s);
+    }
+  }
+  std::ranges::stable_sort(order, std::greater(), [&](StructureIndex s) { return neighbors[s].size(); });
+  std::array<std::size_t, kPalette.size()> uses{};
+  for (const StructureIndex s : order) {
+    std::array<double, kPalette.size()> apart;
+    apart.fill(kApart);
+    for (const StructureIndex other : neighbors[s]) {
+      for (std::size_t n = 0; found[other] && n < palette.size(); ++n)
+        apart[n] = std::min(apart[n], distance(palette[n], *found[other]));
+    }
+    std::size_t best = 0;
+    for (std::size_t n = 1; n < palette.size(); ++n) {
+      if (apart[n] > apart[best] || (apart[n] == apart[best] && uses[n] < uses[best])) best = n;
+    }
+    ++uses[best];
+    colors[s] = rgb_of(kPalette[best]);
+    found[s] = palette[best];
+  }
+  return colors;
+}
+
+}  // namespace splatlas
