@@ -72,8 +72,9 @@ Rgb rgb_of(std::uint32_t code) {
           static_cast<std::uint8_t>(code & 0xff)};
 }
 
-/// Distance at which colours are clearly apart: six times the just noticeable one.
-constexpr double kApart = 0.12;
+/// Distance at which colours are clearly apart: as any two of the palette, five times the just noticeable
+/// one.
+constexpr double kApart = 0.112;
 
 /// Sorts, and leaves each value once.
 template <typename T>
@@ -88,7 +89,8 @@ std::vector<std::pair<ClassId, ClassId>> touching_classes(const ClassTable& clas
                                                           const Index3& size) {
   std::vector<ClassId> ids(runs.size());
   std::iota(ids.begin(), ids.end(), kEmptyClass);
-  const std::vector<ClassSpan> spans = merge_runs(ids, runs);
+  const ValueGroups groups(classes);  // of classes of the same structures: the first one stands for all
+  std::vector<ClassSpan> spans;
   std::vector<std::pair<ClassId, ClassId>> pairs;
   std::vector<ClassId> latest(classes.size(), kEmptyClass);  // [smaller class]: most pairs come in sequence
   TaskPace pace;
@@ -98,9 +100,17 @@ std::vector<std::pair<ClassId, ClassId>> touching_classes(const ClassTable& clas
     if (a != b && std::exchange(latest[a], b) != b) pairs.emplace_back(a, b);
   };
   const auto end = [](const Run& run) { return std::uint64_t{run.start} + run.length; };
-  for (std::size_t n = 1; n < spans.size(); ++n) {
-    const Run &before = spans[n - 1].run, &run = spans[n].run;
-    if (before.scanline == run.scanline && end(before) == run.start) touch(spans[n - 1].of, spans[n].of);
+  for (ClassSpan span : merge_runs(ids, runs)) {
+    span.of = groups.classes[groups.group_of[span.of]].front();
+    if (!spans.empty() && spans.back().run.scanline == span.run.scanline &&
+        end(spans.back().run) == span.run.start) {
+      if (spans.back().of == span.of) {
+        spans.back().run.length += span.run.length;
+        continue;
+      }
+      touch(spans.back().of, span.of);
+    }
+    spans.push_back(span);
   }
   const auto rows = static_cast<std::uint64_t>(size[1]);
   for (const bool next_slice : {false, true}) {  // the same row of it; else the next row

@@ -71,6 +71,7 @@ struct RenderRequest {
   FrameCenter center;
   PageOptions page;
   std::array<std::optional<Rgb>, 2> background{Rgb{0, 0, 0}};  ///< top, bottom; none: transparent, as the top
+  bool distinct_colors = false;  ///< Atlas::distinct_colors() in place of the atlas's colours
   RendererOptions renderer;
   AtlasOptions atlas_options;
   std::filesystem::path stats;    ///< JSON file; empty: none

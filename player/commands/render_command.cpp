@@ -237,6 +237,9 @@ CLI::App* add_render(CLI::App& app, RenderRequest& request) {
     throw CLI::ValidationError("--background \"transparent\"",
                                "a .jpg picture has no transparency; write .png, .tif or .exr");
   });
+  add_choice(*command, "--palette", request.distinct_colors, {{"atlas", false}, {"distinct", true}},
+             "colours of structures without a color= of their own: those of the atlas, or such that keep "
+             "neighbours apart, also for colour-blind eyes");
   add_choice(*command, "--outline", request.page.outlines, {{"none", false}, {"edges", true}},
              "dark lines around structures and at folds");
   add_annotations(*command, request.page);

@@ -146,8 +146,9 @@ struct Drawing {
   std::shared_ptr<const Atlas> atlas;
   PageRenderer pages;
   Renderer renderer;
-  Camera camera = {};      // of what is shown
-  bool is_fitted = false;  // the camera is; else its zoom is relative to the fit
+  Camera camera = {};            // of what is shown
+  bool is_fitted = false;        // the camera is; else its zoom is relative to the fit
+  std::vector<Rgb> colors = {};  // [structure]; empty: those of the atlas
   RenderReport report = {};
 
   /// Selects what a scene shows, or else the options. Options that are given replace its values.
@@ -177,7 +178,7 @@ struct Drawing {
     const std::string& text = scene != nullptr ? scene->selection : request.select;
     SPLATLAS_ASSIGN_OR_RETURN(const auto terms, parse_selection(text).map_error(named));
     SPLATLAS_ASSIGN_OR_RETURN(const Selection selection,
-                              resolve_selection(terms, atlas->graph()).map_error(named));
+                              resolve_selection(terms, atlas->graph(), colors).map_error(named));
     SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::string> warnings, selection_warnings(terms, *atlas));
     for (const std::string& line : warnings) add(report.warnings, line);
     add_vain_terms(terms, selection, report.warnings);
@@ -299,6 +300,9 @@ Result<RenderReport> run_render(const RenderRequest& request, const RenderContro
                             Atlas::open(request.atlas, request.atlas_options));
   const std::chrono::duration<double, std::milli> open_ms = std::chrono::steady_clock::now() - start;
   Drawing drawing{request, atlas, std::move(pages), Renderer(atlas, request.renderer)};
+  if (request.distinct_colors) {
+    SPLATLAS_ASSIGN_OR_RETURN(drawing.colors, atlas->distinct_colors());
+  }
   if (request.is_folder()) {
     SPLATLAS_RETURN_IF_ERROR(write_folder(drawing, control));
   } else {

@@ -108,6 +108,15 @@ TEST_F(PlayerRender, OutlinesDarkenSolidsAlone) {
   EXPECT_THAT(outlined("*:surface(opacity=0.97)"), testing::Each(false));
 }
 
+TEST_F(PlayerRender, APaletteReplacesColoursThatTheSelectionDoesNotGive) {
+  const std::string of_options = "Sphere_1:surface(color=#eebb00) + Sphere_2:surface(color=#102030)";
+  render({"-o", "a.png", "--annotate", "legend", "--select", of_options}, "240x180");
+  render({"-o", "b.png", "--annotate", "legend", "--palette", "distinct", "--select",
+          "Sphere_1:surface + Sphere_2:surface(color=#102030)"},
+         "240x180");
+  EXPECT_EQ(bytes("a.png"), bytes("b.png"));
+}
+
 TEST_F(PlayerRender, ABackgroundOfTwoColoursIsAGradient) {
   for (const std::string name : {"g.png", "g.tif", "g.jpg"}) {
     render({"-o", name, "--select", "", "--background", "#000000,#c8643c"}, "5x201");
