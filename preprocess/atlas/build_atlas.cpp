@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "format/atlas_writer.h"
+#include "format/derive/distinct_colors.h"
 #include "format/derive/value_groups.h"
 #include "format/io/output_file.h"
 #include "format/result_macros.h"
@@ -49,6 +50,23 @@ std::vector<Isosurface> isosurfaces_of(const SourceModel& model, const PlacedStr
       isosurfaces.push_back({placed.index_of_source[first + n], rule.low});
   }
   return isosurfaces;
+}
+
+/// The graph with colours, apart from those of neighbours, for structures whose colours stand for none.
+Result<StructureGraph> with_distinct_colors(const SourceModel& model, const PlacedStructures& placed,
+                                            const ClassifiedVoxels& voxels, const Index3& size) {
+  const auto all = placed.graph.structures();
+  std::vector<Structure> structures(all.begin(), all.end());
+  std::vector<std::optional<Rgb>> given;
+  for (const Structure& structure : structures) given.emplace_back(structure.color);
+  for (std::size_t n = 0; n < model.structures.size(); ++n) {
+    const StructureIndex s = placed.index_of_source[n];
+    if (!model.structures[n].color && structures[s].color == default_color(n)) given[s].reset();
+  }
+  const auto touching = touching_structures(all.size(), voxels.classes, voxels.runs.classes, size);
+  const std::vector<Rgb> colors = distinct_colors(touching, given);
+  for (StructureIndex s = 0; s < structures.size(); ++s) structures[s].color = colors[s];
+  return StructureGraph::build(std::move(structures));
 }
 
 void note_surfaces(SurfaceRule rule, const Grid& grid, const ExtractedSurfaces& extracted, Notes& notes) {
@@ -194,7 +212,7 @@ Result<AtlasContent> build_content(SourceModel model, const std::string& labels,
   }
   content.display = measure_display(classification, placed.graph, model.values, grid);
 
-  content.graph = std::move(placed.graph);
+  SPLATLAS_ASSIGN_OR_RETURN(content.graph, with_distinct_colors(model, placed, classification, grid.size));
   content.classes = std::move(classification.classes);
   SPLATLAS_ASSIGN_OR_RETURN(content.class_volume, decode_runs(classification.runs, grid.size));
   content.values = std::move(model.values);

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <random>
 #include <string>
 
@@ -13,6 +14,7 @@
 
 #include "format/atlas_reader.h"
 #include "format/content/decision_tree.h"
+#include "format/derive/distinct_colors.h"
 #include "preprocess/export/export_atlas.h"
 #include "tests/preprocess/build_atlas_fixture.h"
 #include "tests/preprocess/messages_of_notes.h"
@@ -95,6 +97,22 @@ TEST_F(BuildAtlas, AllAxisOrdersOfOneVolumeGiveOneAtlas) {
     export_all("back.nrrd", "");
     EXPECT_EQ(import_image(file("back.nrrd"))->voxels, in_order(labels, order).voxels);
   }
+}
+
+TEST_F(BuildAtlas, ColoursThatNobodyGivesKeepNeighboursApart) {
+  std::mt19937 random(3);
+  const Image labels = random_labels(awkward_grid(0), VoxelType::kUInt8, random);
+  BuildOptions build_options =
+      options(labels, random_volume(awkward_grid(0), VoxelType::kUInt8, random), ".nrrd");
+  std::ofstream(build_options.sources.names = file("names.txt")) << "1 Qq 10 20 30 255\n";
+  const AtlasContent content = build(build_options);
+  std::vector<std::optional<Rgb>> given(content.graph.size());
+  given[content.graph.find("Qq")->front()] = Rgb{10, 20, 30};
+  const Index3 size = storage_grid(content).size;
+  const RunModel runs = encode_runs(content.class_volume, size, Axis::kZ, content.classes.size());
+  const auto expected =
+      distinct_colors(touching_structures(given.size(), content.classes, runs.classes, size), given);
+  for (StructureIndex s = 0; s < given.size(); ++s) EXPECT_EQ(content.graph[s].color, expected[s]) << s;
 }
 
 TEST_F(BuildAtlas, ThreadsDoNotChangeTheFile) {
