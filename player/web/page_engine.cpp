@@ -202,7 +202,10 @@ struct PageEngine::Call {
       for (const ByteRange& range : engine.remote_->take_missed())
         ranges.push_back({range.offset, range.bytes});
     }
-    if (!ranges.empty()) engine.selected_.reset();
+    if (!ranges.empty()) {
+      engine.selected_.reset();
+      engine.colors_.clear();
+    }
     return ranges;
   }
 
@@ -222,13 +225,19 @@ struct PageEngine::Call {
       if (error.message.starts_with("selection")) error.subject = "selection";
       return error;
     };
+    SPLATLAS_ASSIGN_OR_RETURN(const bool is_distinct, wants_distinct_colors(request));
+    if (is_distinct && engine.colors_.empty()) {
+      SPLATLAS_ASSIGN_OR_RETURN(engine.colors_, atlas.distinct_colors());
+    }
+    const std::span<const Rgb> colors = is_distinct ? engine.colors_ : std::span<const Rgb>();
     SPLATLAS_ASSIGN_OR_RETURN(const auto terms, parse_selection(text).map_error(told));
     SPLATLAS_ASSIGN_OR_RETURN(const Selection selection,
-                              resolve_selection(terms, atlas.graph()).map_error(told));
+                              resolve_selection(terms, atlas.graph(), colors).map_error(told));
     SPLATLAS_ASSIGN_OR_RETURN(const auto warnings, selection_warnings(terms, atlas));
     engine.selected_.reset();  // a stop leaves nothing selected
     SPLATLAS_RETURN_IF_ERROR(renderer->select(selection));
     engine.selected_ = text;
+    engine.is_distinct_ = is_distinct;
     engine.warnings_ = warnings;
     engine.is_told_ = false;
     return Json(warnings);
@@ -236,7 +245,8 @@ struct PageEngine::Call {
 
   bool is_other_selection() const {
     const auto text = request.find("select");
-    return text != request.end() && engine.selected_ != text->get_ref<const std::string&>();
+    return text != request.end() && (engine.selected_ != text->get_ref<const std::string&>() ||
+                                     engine.is_distinct_ != wants_distinct_colors(request));
   }
 
   Result<Json> fit_camera() const {
@@ -265,6 +275,8 @@ struct PageEngine::Call {
     if (!std::exchange(engine.is_told_, true)) {
       answer["warnings"] = engine.warnings_;
       answer["drawn"] = drawn_json(renderer->selection());
+      for (std::size_t s = 0; engine.is_distinct_ && s < engine.colors_.size(); ++s)
+        answer["colors"].push_back(to_hex(engine.colors_[s]));
     }
     const RenderStats& stats = engine.frame_.stats;
     answer["ms"] = stats.select_ms + stats.decode_ms + stats.render_ms;
@@ -343,6 +355,7 @@ void PageEngine::open(std::shared_ptr<const Atlas> atlas) {
   slices_.emplace(atlas);
   renderer_.emplace(std::move(atlas), options_);
   selected_.reset();
+  colors_.clear();
 }
 
 PageAnswer PageEngine::call(std::string_view request, std::vector<std::byte> bytes,

@@ -46,6 +46,7 @@ class PageEngine {
   ///   - fit {state}: the camera that shows the selection, or its part in a structure.
   ///   - draw {state}: draws. {camera, missing, ms, warnings}, and with the first picture of a selection
   ///     drawn: [["surface", 0.4, "#c0392b"], ["off"], ...] by structure; the default opacity is null.
+  ///     With palette "distinct" also colors: ["#eebb00", ...] by structure.
   ///   - pick {at}: the structure at [x, y] of the latest picture, and its point; or null.
   ///   - light {structure}: where the latest picture shows a structure or its descendants: a string of 0 and
   ///   1
@@ -71,6 +72,8 @@ class PageEngine {
   std::shared_ptr<RemoteBytes> remote_;  // of the atlas that is open, or is being opened
   std::optional<Renderer> renderer_;
   std::optional<std::string> selected_;  // text of the selection
+  bool is_distinct_ = false;             // it has colors_
+  std::vector<Rgb> colors_;              // Atlas::distinct_colors(), once they are wanted
   std::vector<std::string> warnings_;    // about it
   bool is_told_ = true;                  // a picture has told of it
   std::optional<PageSlices> slices_;

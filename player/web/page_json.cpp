@@ -188,6 +188,10 @@ Result<PageState> page_state_of(const Json& json) {
   return state;
 }
 
+Result<bool> wants_distinct_colors(const Json& json) {
+  return enum_at(json, "palette", std::array{"atlas", "distinct"}, false);
+}
+
 Json json_of(const Camera& camera) {
   Json json{{"azimuth", camera.azimuth_deg}, {"elevation", camera.elevation_deg}, {"zoom", camera.zoom}};
   if (camera.center_lps_mm) json["center"] = *camera.center_lps_mm;

@@ -37,10 +37,12 @@ struct PageState {
 };
 
 /// Reads {size: [width, height], quality, camera: {azimuth, elevation, zoom, center, projection, fieldOfView,
-/// fit: {structure, zoom, center, size}}, select, cuts: [{normal, offset}], caps, depthCue, shading,
+/// fit: {structure, zoom, center, size}}, select, palette, cuts: [{normal, offset}], caps, depthCue, shading,
 /// draftBudget, ids, depths}: degrees, LPS mm and ms. All but the size have the defaults of Camera and
 /// RenderOptions. kUsage for values that these do not have; throws nlohmann::json::exception for other types.
 [[nodiscard]] Result<PageState> page_state_of(const nlohmann::ordered_json& json);
+/// True for palette "distinct", false for "atlas" or none.
+[[nodiscard]] Result<bool> wants_distinct_colors(const nlohmann::ordered_json& json);
 
 /// The camera as in a state, without a fit.
 [[nodiscard]] nlohmann::ordered_json json_of(const Camera& camera);

@@ -152,6 +152,7 @@ class Splatlas {
   /** Renders a state.
    * @param {object} state
    *   select: a text as of `splatlas-player render --select`; none: the selection stays;
+   *   palette: colours of structures, 'atlas' (default) or 'distinct' between neighbours;
    *   size: [width, height] in pixels;
    *   quality: 'draft', 'normal' (default) or 'high';
    *   camera: azimuth and elevation in degrees, zoom (1: the atlas fills the picture), center in LPS mm (none: that of the
@@ -164,7 +165,7 @@ class Splatlas {
    * @returns {{width: number, height: number, data: Uint8ClampedArray, missing: string[]}} sRGB with straight alpha, as
    *   ImageData; `missing` tells what a damaged atlas lacks; with the camera and ms, and for the first picture of a selection
    *   with warnings and `drawn`, by the index of structures: ['surface', 0.4, '#c0392b'], ['ghost', null, ...] or
-   *   ['off']; the opacity is null where it is the default */
+   *   ['off']; the opacity is null where it is the default; for 'distinct', `colors` of all structures */
   draw(state) {
     this.#values = 0;
     const answer = this.#call('draw', state);

@@ -147,7 +147,7 @@ class Engine {
   /** Whether the finished picture of the latest state has come. */
   isRefined() { return this.#refined === this.#serial; }
 
-  /** Draws a state: {select, cuts, camera, size, depthCue}. A draft at once, and a finished picture after it. A camera
+  /** Draws a state: {select, palette, cuts, camera, size, depthCue}. A draft at once, and a finished picture after it. A camera
    * with `fit`, {structure, zoom, center}, is fitted first. */
   show(state) {
     const isNew = state.select !== this.#state?.select;
@@ -203,7 +203,7 @@ class Engine {
       this.#isReady = true;
       return this.#handlers.ready(message.info);
     }
-    if (n === 0 && message.drawn) this.#handlers.drawn(message.drawn);
+    if (n === 0 && message.drawn) this.#handlers.drawn(message.drawn, message.colors);
     if (message.type === 'picked') return this.#handlers.picked(message.picked, message.pick);
     if (message.type === 'hovered') return this.#handlers.hovered(message.hovered);
     if (message.type === 'labelled') return message.serial === this.#serial && this.#handlers.labelled(message.layer);

@@ -31,6 +31,12 @@ class Model {
     this.state = {base: '*', edits: [], cuts: [], scene: null, isAsking: false};
   }
 
+  /** Takes what is drawn, and colours of the structures in place of the atlas's. */
+  take(drawn, colors) {
+    this.drawn = drawn;
+    this.structures = this.info.structures.map((structure, n) => (colors ? {...structure, color: colors[n]} : structure));
+  }
+
   children(index) { return this.#children[index]; }
 
   subtree(index) {

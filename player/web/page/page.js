@@ -15,7 +15,7 @@ class Page {
   #engine = new Engine({
     ready: info => this.#begin(info),
     picture: message => this.#takePicture(message),
-    drawn: drawn => this.#takeDrawn(drawn),
+    drawn: (drawn, colors) => this.#takeDrawn(drawn, colors),
     picked: (picked, {purpose, u, v}) => this.#takePick(picked, purpose, u, v),
     hovered: picked => this.#pointer.show(this.#quiz.isAsking() ? null : picked),
     labelled: layer => { if (layer && !this.#quiz.isAsking()) this.#names.show(layer, this.#pictures.width, this.#pictures.height); },
@@ -152,7 +152,7 @@ class Page {
   #drawing() {
     return {
       select: this.#model.selection(), cuts: this.#model.state.cuts, camera: this.#stage.camera,
-      size: this.#stage.pictureSize(), depthCue: byId('depth-cue').checked,
+      size: this.#stage.pictureSize(), depthCue: byId('depth-cue').checked, palette: byId('palette').value,
     };
   }
 
@@ -254,8 +254,8 @@ class Page {
     this.#tell(`${kEmpty}: ${isOff ? 'nothing is selected' : 'the cuts or the view leave nothing'}.`);
   }
 
-  #takeDrawn(drawn) {
-    this.#model.drawn = drawn;
+  #takeDrawn(drawn, colors) {
+    this.#model.take(drawn, colors);
     this.#slices.draw();
     this.#tree.update();
     this.#inspector.update();
@@ -395,7 +395,7 @@ class Page {
       this.#model.change({base: this.#typed, edits: []}, this.#stage.camera);
       this.#changed();
     });
-    byId('depth-cue').addEventListener('change', () => this.#show());
+    for (const setting of ['depth-cue', 'palette']) byId(setting).addEventListener('change', () => this.#show());
     byId('perspective').addEventListener('change', event => {
       this.#stage.camera = {...this.#stage.camera, projection: event.target.checked ? 'perspective' : 'parallel'};
       this.#show();

@@ -134,12 +134,12 @@ function renderWithinMemory(request, shrink) {
   }
 }
 
-function render({serial, select, cuts, depthCue, budget, camera, size, quality}, shrink) {
+function render({serial, select, palette, cuts, depthCue, budget, camera, size, quality}, shrink) {
   latest = null;
   const [width, height] = size.map(side => Math.max(1, Math.round(side * shrink)));
   const placed = camera.fit ? {...camera, fit: {...camera.fit, size}} : camera;
   const picture = splatlas.draw({
-    select, cuts, camera: placed, size: [width, height], quality,
+    select, palette, cuts, camera: placed, size: [width, height], quality,
     depthCue: depthCue && quality !== 'draft', draftBudget: budget,
   });
   latest = {serial, width, height};
@@ -152,8 +152,8 @@ function adapt(ms, budget) {
   scale = Math.max(kMinScale, Math.round(wanted / kScaleStep) * kScaleStep);
 }
 
-function answerFit({state: {select, cuts, size, camera}}) {
-  return {type: 'fitted', camera: splatlas.fitted({select, cuts, size, camera})};
+function answerFit({state: {select, palette, cuts, size, camera}}) {
+  return {type: 'fitted', camera: splatlas.fitted({select, palette, cuts, size, camera})};
 }
 
 /** Names on the finished picture, while it is the latest. */
