@@ -8,7 +8,6 @@
 
 #include "player/render/clip/cut_rays.h"
 #include "player/render/view/shear.h"
-#include "player/render/view/sheet_window.h"
 
 namespace splatlas {
 

@@ -24,7 +24,6 @@
 #include "player/render/sheets/splat/splat_kernels.h"
 #include "player/render/view/pixel_box.h"
 #include "player/render/view/shear.h"
-#include "player/render/view/sheet_window.h"
 
 namespace splatlas {
 namespace {

@@ -7,7 +7,6 @@
 #include "player/render/frame/span_store.h"
 #include "player/render/sheets/warp/sheet_image.h"
 #include "player/render/view/shear.h"
-#include "player/render/view/sheet_window.h"
 
 namespace splatlas {
 

@@ -9,11 +9,10 @@
 
 #include "format/tasks/task_control.h"
 #include "player/render/clip/clip_slabs.h"
-#include "player/render/sheets/band_image.h"
 #include "player/render/sheets/sheet_fragments.h"
 #include "player/render/sheets/slabs.h"
 #include "player/render/sheets/splat/block_runs.h"
-#include "player/render/view/sheet_window.h"
+#include "player/render/view/shear.h"
 
 namespace splatlas {
 namespace {
@@ -292,6 +291,37 @@ std::uint64_t count_voxels(const SheetPass& pass, const Clip& clip, std::int64_t
   return voxels;
 }
 
+/// out[n * rows + r] = from[r][n]. `kRows`: their number, to unroll the loop, or 0.
+template <std::size_t kRows>
+void interleave(const std::vector<const float*>& from, std::int64_t count, float* out) {
+  const std::size_t rows = kRows == 0 ? from.size() : kRows;
+  for (std::int64_t n = 0; n < count; ++n) {
+    for (std::size_t r = 0; r < rows; ++r) out[static_cast<std::size_t>(n) * rows + r] = from[r][n];
+  }
+}
+
+/// Interleaves phases and planes into the rows of the finished sheet, up to fine row `last`.
+void store(const BandImage& image, std::int64_t last, SheetImage& sheet) {
+  std::vector<const float*> phase_rows;  // of every plane
+  for (std::int64_t fine_row = image.first_fine_row(); fine_row < last; ++fine_row) {
+    phase_rows.clear();
+    for (std::int64_t phase = 0; phase < sheet.window.scale; ++phase) {
+      for (std::int64_t plane = 0; plane < image.planes(); ++plane)
+        phase_rows.push_back(image.row(fine_row, phase) + plane * image.plane_stride());
+    }
+    float* out = &sheet.pixels[static_cast<std::size_t>((fine_row + 1) * sheet.stride() * sheet.channels)];
+    std::fill_n(out, sheet.channels, 0.0f);
+    float* const pixels = out + sheet.channels;
+    switch (phase_rows.size()) {
+      case 2: interleave<2>(phase_rows, sheet.window.columns, pixels); break;
+      case 4: interleave<4>(phase_rows, sheet.window.columns, pixels); break;
+      case 8: interleave<8>(phase_rows, sheet.window.columns, pixels); break;
+      default: interleave<0>(phase_rows, sheet.window.columns, pixels);
+    }
+    std::fill_n(out + (sheet.stride() - 1) * sheet.channels, sheet.channels, 0.0f);
+  }
+}
+
 /// Renders the bands in parallel. Returns the number of splatted voxels.
 template <class Clip>
 std::uint64_t render_bands(const SheetPass& pass, const SheetSpans& spans, const Clip& clip,
@@ -325,7 +355,7 @@ std::uint64_t render_bands(const SheetPass& pass, const SheetSpans& spans, const
       fragments.begin(surfaces.fragments, n, pass.slabs, image, pass.model.color);
       Band(strip, clip, image, fragments).render();
     }
-    image.store(last, sheet);
+    store(image, last, sheet);
   };
   std::uint64_t voxels = 0;
   spans.for_each_strip(pass.shear, window.v0,

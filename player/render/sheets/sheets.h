@@ -11,7 +11,6 @@
 #include "player/render/sheets/splat/splat_kernels.h"
 #include "player/render/sheets/warp/sheet_image.h"
 #include "player/render/view/shear.h"
-#include "player/render/view/sheet_window.h"
 
 namespace splatlas {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "player/render/sheets/warp/sheet_image.h"
-#include "player/render/view/sheet_window.h"
+#include "player/render/view/shear.h"
 
 namespace splatlas {
 namespace {

@@ -14,7 +14,6 @@
 #include "player/render/surfaces/fragments.h"
 #include "player/render/view/pixel_box.h"
 #include "player/render/view/shear.h"
-#include "player/render/view/sheet_window.h"
 
 namespace splatlas {
 
