@@ -19,7 +19,7 @@
 #include "player/commands/commands.h"
 #include "player/files/picture_encoder.h"
 #include "player/web/html_page.h"
-#include "player/web/render_warnings.h"
+#include "player/web/page_json.h"
 #include "player/write_picture.h"
 
 namespace splatlas {

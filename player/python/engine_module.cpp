@@ -22,7 +22,7 @@
 #include "format/derive/label_map.h"
 #include "format/tasks/task_control.h"
 #include "player/web/page_engine.h"
-#include "player/web/render_warnings.h"
+#include "player/web/page_json.h"
 #include "player/write_picture.h"
 #include "player/write_png.h"
 

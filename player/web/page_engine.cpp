@@ -17,7 +17,6 @@
 #include "player/camera_moves.h"
 #include "player/page/annotate_picture.h"
 #include "player/web/page_json.h"
-#include "player/web/render_warnings.h"
 
 namespace splatlas {
 namespace {

@@ -1,19 +1,44 @@
-// The player behind a page: answers requests as JSON, in a WebAssembly module as in a server.
+// The player behind a page: answers requests as JSON, in a WebAssembly module as in a server. Its atlas may
+// arrive in pieces.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "format/result.h"
 #include "player/renderer.h"
 #include "player/web/page_slices.h"
-#include "player/web/remote_bytes.h"
 
 namespace splatlas {
+
+struct ByteRange {
+  std::uint64_t offset = 0, bytes = 0;
+  friend bool operator==(const ByteRange&, const ByteRange&) = default;
+};
+
+/// Pieces of a file on a server. What a read misses is noted; someone gives it, and reads again. Thread-safe.
+class RemoteBytes {
+ public:
+  /// Fills `to` from `offset`, out of one piece. kFailed if no piece holds the range.
+  [[nodiscard]] Result<void> read(std::uint64_t offset, std::span<std::byte> to);
+  void give(std::uint64_t offset, std::vector<std::byte> bytes);
+  /// The ranges that reads have missed since the last call, in order and without gaps of a few KiB.
+  [[nodiscard]] std::vector<ByteRange> take_missed();
+
+ private:
+  std::mutex mutex_;
+  std::map<std::uint64_t, std::vector<std::byte>> pieces_;
+  std::vector<ByteRange> missed_;
+};
 
 /// An answer: 0 and a text, usually JSON, or 1 + ErrorCode and a message of one line.
 struct PageAnswer {

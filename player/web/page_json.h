@@ -1,7 +1,8 @@
-// Contents of an atlas, and states of a page to draw, as JSON.
+// Contents of an atlas and states of a page to draw, as JSON; warnings of what shows less than expected.
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -9,9 +10,11 @@
 
 #include "format/atlas_reader.h"
 #include "format/content/decision_tree.h"
+#include "format/content/selection.h"
 #include "format/result.h"
 #include "player/camera.h"
 #include "player/render_options.h"
+#include "player/renderer.h"
 
 namespace splatlas {
 
@@ -46,5 +49,12 @@ struct PageState {
 
 /// The camera as in a state, without a fit.
 [[nodiscard]] nlohmann::ordered_json json_of(const Camera& camera);
+
+/// A line for each term of a selection that later ones hide, up to a limit.
+[[nodiscard]] Result<std::vector<std::string>> selection_warnings(std::span<const SelectionTerm> terms,
+                                                                  const Atlas& atlas);
+
+/// Why a picture shows nothing; empty if it shows something.
+[[nodiscard]] std::string emptiness_of(const Frame& frame);
 
 }  // namespace splatlas

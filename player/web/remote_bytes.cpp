@@ -1,9 +1,8 @@
-#include "player/web/remote_bytes.h"
-
 #include <algorithm>
 #include <utility>
 
 #include "format/result_macros.h"
+#include "player/web/page_engine.h"
 
 namespace splatlas {
 
