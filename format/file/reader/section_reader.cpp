@@ -1,5 +1,4 @@
-#include "format/file/reader/section_reader.h"
-
+// Reading of streams and chunks.
 #include <algorithm>
 #include <cstring>
 #include <utility>
@@ -7,9 +6,7 @@
 #include <fmt/format.h>
 
 #include "format/codec/chunk_codec.h"
-#include "format/derive/value_groups.h"
-#include "format/result_macros.h"
-#include "format/tasks/task_control.h"
+#include "format/file/reader/atlas_impl.h"
 
 namespace splatlas {
 
