@@ -22,40 +22,36 @@ namespace splatlas::HWY_NAMESPACE {
 
 constexpr std::size_t kSlabs = MarchGrid::kBrick;  // per batch
 
-/// A transfer function by reference. The derived type selects the look-up.
-class TransferView {
+/// A transfer function by reference: chooses its look-up at run time, and derived types when they are
+/// compiled.
+class AnyTransfer {
  public:
-  HWY_INLINE explicit TransferView(const PreintegratedTransfer& transfer) : transfer_(transfer) {}
+  HWY_INLINE explicit AnyTransfer(const PreintegratedTransfer& transfer) : transfer_(transfer) {}
 
-  [[nodiscard]] HWY_INLINE std::size_t points() const { return transfer_.points(); }
-  [[nodiscard]] HWY_INLINE const float* row(PreintegratedTransfer::Row row) const {
-    return transfer_.row(row);
-  }
-  [[nodiscard]] HWY_INLINE float min_difference() const { return transfer_.min_difference(); }
-  [[nodiscard]] HWY_INLINE float variation() const { return transfer_.variation(); }
+  [[nodiscard]] HWY_INLINE const PreintegratedTransfer& operator*() const { return transfer_; }
+  [[nodiscard]] HWY_INLINE const PreintegratedTransfer* operator->() const { return &transfer_; }
 
- protected:
+ private:
   const PreintegratedTransfer& transfer_;
 };
 
 /// Any number of points: look-ups are gathers.
-class LongTransfer : public TransferView {
+class LongTransfer : public AnyTransfer {
  public:
+  HWY_INLINE explicit LongTransfer(const PreintegratedTransfer& transfer) : AnyTransfer(transfer) {}
   static HWY_INLINE bool fits(const PreintegratedTransfer& /*transfer*/) { return true; }
-
-  HWY_INLINE explicit LongTransfer(const PreintegratedTransfer& transfer) : TransferView(transfer) {}
 };
 
 /// A row of the table at the segments given.
 HWY_INLINE Vector LookUp(const LongTransfer& transfer, PreintegratedTransfer::Row row, IntVector segment) {
-  return GatherIndex(Lanes(), transfer.row(row), segment);
+  return GatherIndex(Lanes(), transfer->row(row), segment);
 }
 /// Segment of the transfer function that a grey value lies in.
 HWY_INLINE IntVector SegmentOf(const LongTransfer& transfer, Vector grey) {
   const Lanes d;
   const Ints di;
-  const float* greys = transfer.row(PreintegratedTransfer::kGrey) + 1;
-  const auto points = static_cast<std::int32_t>(transfer.points());
+  const float* greys = transfer->row(PreintegratedTransfer::kGrey) + 1;
+  const auto points = static_cast<std::int32_t>(transfer->points());
   auto segment = Zero(di);
   for (std::int32_t step = 256; step > 0; step /= 2) {
     const auto next = Add(segment, Set(di, step));
@@ -68,13 +64,12 @@ HWY_INLINE IntVector SegmentOf(const LongTransfer& transfer, Vector grey) {
 }
 
 /// So few points that a row of the table fits a native vector: look-ups are permutations.
-class ShortTransfer : public TransferView {
+class ShortTransfer : public AnyTransfer {
  public:
+  HWY_INLINE explicit ShortTransfer(const PreintegratedTransfer& transfer) : AnyTransfer(transfer) {}
   static HWY_INLINE bool fits(const PreintegratedTransfer& transfer) {
     return transfer.points() < hn::MaxLanes(hn::CappedTag<float, kPacketRays>());
   }
-
-  HWY_INLINE explicit ShortTransfer(const PreintegratedTransfer& transfer) : TransferView(transfer) {}
 };
 
 template <class V>
@@ -92,35 +87,27 @@ HWY_INLINE auto Permute(const float* row, const Pair<V>& indices) {
   return MakePair(Permute(row, indices.low), Permute(row, indices.high));
 }
 HWY_INLINE Vector LookUp(const ShortTransfer& transfer, PreintegratedTransfer::Row row, IntVector segment) {
-  return Permute(transfer.row(row), segment);
+  return Permute(transfer->row(row), segment);
 }
 HWY_INLINE IntVector SegmentOf(const ShortTransfer& transfer, Vector grey) {
   const Lanes d;
   const Ints di;
-  const float* greys = transfer.row(PreintegratedTransfer::kGrey) + 1;
+  const float* greys = transfer->row(PreintegratedTransfer::kGrey) + 1;
   auto segment = Zero(di);
-  for (std::size_t n = 0; n < transfer.points(); ++n) {
+  for (std::size_t n = 0; n < transfer->points(); ++n) {
     const auto above = RebindMask(di, Ge(grey, Set(d, greys[n])));
     segment = Sub(segment, VecFromMask(di, above));
   }
   return segment;
 }
 
-/// Chooses at run time.
-class AnyTransfer : public TransferView {
- public:
-  HWY_INLINE explicit AnyTransfer(const PreintegratedTransfer& transfer) : TransferView(transfer) {}
-  [[nodiscard]] HWY_INLINE bool is_short() const { return ShortTransfer::fits(transfer()); }
-  [[nodiscard]] HWY_INLINE const PreintegratedTransfer& transfer() const { return transfer_; }
-};
-
 HWY_INLINE Vector LookUp(const AnyTransfer& any, PreintegratedTransfer::Row row, IntVector segment) {
-  if (HWY_LIKELY(any.is_short())) return LookUp(ShortTransfer(any.transfer()), row, segment);
-  return LookUp(LongTransfer(any.transfer()), row, segment);
+  if (HWY_LIKELY(ShortTransfer::fits(*any))) return LookUp(ShortTransfer(*any), row, segment);
+  return LookUp(LongTransfer(*any), row, segment);
 }
 HWY_INLINE IntVector SegmentOf(const AnyTransfer& any, Vector grey) {
-  if (HWY_LIKELY(any.is_short())) return SegmentOf(ShortTransfer(any.transfer()), grey);
-  return SegmentOf(LongTransfer(any.transfer()), grey);
+  if (HWY_LIKELY(ShortTransfer::fits(*any))) return SegmentOf(ShortTransfer(*any), grey);
+  return SegmentOf(LongTransfer(*any), grey);
 }
 
 /// A grey value and its optical properties: extinction in 1/mm, shade as a factor of the colour.
@@ -196,7 +183,7 @@ struct PreintegratedMeans {
     if (HWY_LIKELY(AllTrue(d, same))) return;
     // Elsewhere: difference quotients of the prefix integrals.
     const auto difference = Sub(b.grey, a.grey);
-    const auto close = Le(Abs(difference), Set(d, transfer.min_difference()));
+    const auto close = Le(Abs(difference), Set(d, transfer->min_difference()));
     const auto linear = Or(same, close);
     const auto divisor = IfThenElse(linear, Set(d, 1.0f), difference);
     const PrefixIntegrals to_a(transfer, a), to_b(transfer, b);
@@ -219,7 +206,7 @@ struct PreintegratedMeans {
                           Mul(k_slope, shade));
     if (HWY_UNLIKELY(!AllTrue(d, same))) {
       const auto difference = Sub(b.grey, a.grey);
-      const auto close = Le(Abs(difference), Set(d, transfer.min_difference()));
+      const auto close = Le(Abs(difference), Set(d, transfer->min_difference()));
       const auto one = Set(d, 1.0f);
       const auto inverse = IfThenZeroElse(close, Div(one, IfThenElse(close, one, difference)));
       const auto k_rise = Sub(b.extinction, a.extinction);

@@ -144,6 +144,25 @@ struct Rays {
   Vector across_origin_[2], across_step_[2], t_per_across_[2];
 };
 
+/// Crossings of cell faces between `at` and `end` in ascending order, padded with `end` (Amanatides and Woo
+/// 1987). The interval spans at most one voxel along every axis and crosses no plane of the principal axis.
+HWY_INLINE void Crossings(const Rays& rays, Vector at, Vector end, Vector* cuts) {
+  const Lanes d;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto step = rays.step[a];
+    const auto place = rays.At(a, end);
+    const auto plane = IfThenElse(Gt(step, Zero(d)), Floor(place), Ceil(place));
+    const auto t = Mul(Sub(plane, rays.origin[a]), rays.t_per_voxel[a]);
+    const auto none = Or(Le(t, at), Ge(t, end));
+    cuts[a] = IfThenElse(none, end, t);
+  }
+  const auto low = Min(cuts[0], cuts[1]), high = Max(cuts[0], cuts[1]);
+  const auto rest = Max(low, cuts[2]);
+  cuts[0] = Min(low, cuts[2]);
+  cuts[1] = Min(rest, high);
+  cuts[2] = end;
+}
+
 /// The end of the n-th of equal steps.
 HWY_INLINE Vector PartOf(Vector begin, Vector length, int n, int steps) {
   return MulAdd(Set(Lanes(), static_cast<float>(n) / static_cast<float>(steps)), length, begin);

@@ -261,6 +261,60 @@ HWY_INLINE void WidenByFace(const float* values, IntVector cells, const IntVecto
   high = Max(high, Load(Lanes(), highs));
 }
 
+/// A trilinear grey value along rays within a cell: a cubic in Bezier form, up to `t`.
+struct Cubic {
+  Vector points[4], t;
+  int depth = 0;  // of subdivision
+
+  Cubic() = default;
+  /// From `at` to `end`, which lie in one cell.
+  HWY_INLINE Cubic(const std::uint64_t* cell_corners, const MarchGrid& grid, const Rays& rays, Vector at,
+                   Vector end)
+      : t(end) {
+    const auto middle = Mul(Set(Lanes(), 0.5f), Add(at, end));
+    const Places places(grid, rays, middle);  // rounding cannot leave the cell there
+    const auto half = Sub(end, middle);
+    Vector before[3], after[3];
+    for (std::size_t a = 0; a < 3; ++a) {
+      before[a] = NegMulAdd(half, rays.step[a], places.part[a]);
+      after[a] = MulAdd(half, rays.step[a], places.part[a]);
+    }
+    CellCorners(cell_corners, places).ControlPoints(before, after, points);
+  }
+
+  /// Splits at the middle (de Casteljau). Returns the first half, which begins at `at`; keeps the second.
+  HWY_INLINE Cubic SplitFirstHalf(Vector at) {
+    const auto middle = [](Vector a, Vector b) { return Mul(Set(Lanes(), 0.5f), Add(a, b)); };
+    Cubic first;
+    first.points[0] = points[0];
+    first.points[1] = middle(points[0], points[1]);
+    const auto inner = middle(points[1], points[2]);
+    first.points[2] = middle(first.points[1], inner);
+    points[2] = middle(points[2], points[3]);
+    points[1] = middle(inner, points[2]);
+    points[0] = first.points[3] = middle(first.points[2], points[1]);
+    first.t = middle(at, t);
+    first.depth = ++depth;
+    return first;
+  }
+
+  /// Bounds of the value, by the convex hull of the control points.
+  HWY_INLINE Vector Low() const { return Min(Min(points[0], points[1]), Min(points[2], points[3])); }
+  HWY_INLINE Vector High() const { return Max(Max(points[0], points[1]), Max(points[2], points[3])); }
+  /// Bound of the distance from the chord.
+  HWY_INLINE Vector Deviation() const {
+    const auto third = Mul(Set(Lanes(), 1.0f / 3), Sub(points[3], points[0]));
+    const auto first = Sub(Sub(points[1], points[0]), third);
+    const auto second = Sub(Sub(points[3], points[2]), third);
+    return Max(Abs(first), Abs(second));
+  }
+  /// Mean value less the mean of the chord.
+  HWY_INLINE Vector MeanAboveChord() const {
+    const auto inner = Add(points[1], points[2]), outer = Add(points[0], points[3]);
+    return Mul(Set(Lanes(), 0.25f), Sub(inner, outer));
+  }
+};
+
 /// Four interpolated values, each a vector.
 struct Four {
   Vector of[4];

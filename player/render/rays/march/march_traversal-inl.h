@@ -174,9 +174,9 @@ class MultiAppearance {
   }
 
   /// Adds extinction and coloured emission.
-  static HWY_INLINE void AddGrey(Vector extinction, Vector emission, const Vector* color, Four& sum) {
+  static HWY_INLINE void AddGrey(Vector extinction, Vector emission, const VoxelColor& color, Four& sum) {
     sum.of[0] = Add(sum.of[0], extinction);
-    for (std::size_t n = 0; n < 3; ++n) sum.of[n + 1] = MulAdd(emission, color[n], sum.of[n + 1]);
+    for (std::size_t n = 0; n < 3; ++n) sum.of[n + 1] = MulAdd(emission, color.of[n], sum.of[n + 1]);
   }
 
   HWY_INLINE void AddGreys(const MarchSource& source, const Classified& before, const Classified& after,
@@ -184,13 +184,9 @@ class MultiAppearance {
     const Lanes d;
     const PreintegratedMeans means(AnyTransfer(*source.transfer), before, after);
     if (AllTrue(d, Le(means.extinction, Zero(d)))) return;
-    Vector color[3];
-    if (source.colors == nullptr) {
-      for (std::size_t n = 0; n < 3; ++n) color[n] = Set(d, source.color[n]);
-    } else {
-      const VoxelColor sampled(source.colors, scene_.grid, rays_, middle);
-      for (std::size_t n = 0; n < 3; ++n) color[n] = sampled.of[n];
-    }
+    VoxelColor color;
+    for (std::size_t n = 0; n < 3; ++n) color.of[n] = Set(d, source.color[n]);
+    if (source.colors != nullptr) color = VoxelColor(source.colors, scene_.grid, rays_, middle);
     AddGrey(means.extinction, means.emission, color, mixed.mean);
     AddGrey(before.extinction, Mul(before.extinction, before.shade), color, mixed.before);
     AddGrey(after.extinction, Mul(after.extinction, after.shade), color, mixed.after);
