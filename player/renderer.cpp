@@ -12,7 +12,6 @@
 #include "player/render/frame/fit_selection.h"
 #include "player/render/frame/frame_renderer.h"
 #include "player/render/frame/ray_frame.h"
-#include "player/render/frame/ray_store.h"
 #include "player/render/frame/sheet_frame.h"
 #include "player/render/frame/span_store.h"
 #include "player/render/frame/stopwatch.h"
@@ -306,12 +305,6 @@ struct Renderer::Impl {
     return pick_structure(scene, x, y);
   }
 
-  /// The result of body(), with errors that name the atlas.
-  template <typename Body>
-  [[nodiscard]] auto guarded(const Body& body) const {
-    return as_errors_of(atlas->name(), body);
-  }
-
   std::shared_ptr<const Atlas> atlas;
   ThreadPool pool;
   const std::uint64_t max_memory_bytes;
@@ -346,7 +339,7 @@ const Selection& Renderer::selection() const {
 }
 
 Result<void> Renderer::select(const Selection& selection) {
-  return impl_->guarded([&] {
+  return as_errors_of(impl_->atlas->name(), [&] {
     const TaskControl task({}, {}, &impl_->atlas->work_budget());
     try {
       return impl_->select(selection);
@@ -360,7 +353,7 @@ Result<void> Renderer::select(const Selection& selection) {
 Result<Camera> Renderer::fit(const Camera& camera, const RenderOptions& options,
                              std::optional<std::span<const StructureIndex>> structures,
                              const PictureRegion& region, const RenderControl& control) {
-  return impl_->guarded([&] {
+  return as_errors_of(impl_->atlas->name(), [&] {
     const TaskControl task(control.stop, {}, &impl_->atlas->work_budget());
     return impl_->fit(camera, options, structures, region);
   });
@@ -382,7 +375,7 @@ Result<void> RendererInternals::render(Renderer& renderer, const Camera& camera,
                                        const RenderOverrides& overrides, Frame& frame,
                                        const RenderControl& control) {
   Renderer::Impl& r = *renderer.impl_;
-  return r.guarded([&] {
+  return as_errors_of(r.atlas->name(), [&] {
     TaskControl task(control.stop, control.progress, &r.atlas->work_budget());
     Result<void> rendered = r.render(camera, options, overrides, task, frame);
     if (!rendered) return rendered;
