@@ -8,7 +8,6 @@
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"
 #include "player/render/rays/cast_rays.h"
-#include "player/render/rays/pixel_rays.h"
 #include "player/render/view/shear.h"
 
 namespace splatlas {

@@ -1,9 +1,8 @@
-#include "player/render/rays/pixel_rays.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 
+#include "player/render/rays/cast_rays.h"
 #include "player/render/view/shear.h"
 
 namespace splatlas {

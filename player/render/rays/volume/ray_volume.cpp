@@ -182,7 +182,7 @@ class RayVolume::Builder {
 
   Result<void> allocate(Source& source) {
     const auto& size = volume_.grid_.size;
-    const std::size_t voxels = place(0, 0, size[2]);
+    const std::size_t voxels = volume_.place(0, 0, size[2]);
     SPLATLAS_ASSIGN_OR_RETURN(source.values, SparseBytes::reserve(voxels * value_bytes(source)));
     if (color_bytes(source) > 0) {
       SPLATLAS_ASSIGN_OR_RETURN(source.colors, SparseBytes::reserve(voxels * color_bytes(source)));
@@ -211,9 +211,6 @@ class RayVolume::Builder {
       take(Piece{run.start - volume_.first_[0], run.row - volume_.first_[1], run.length,
                  static_cast<std::size_t>(grid.offset(run.start, run.row, slice)), draw});
     });
-  }
-  [[nodiscard]] std::size_t place(std::int64_t x, std::int64_t y, std::int64_t z) const {
-    return volume_.place(x, y, z);
   }
 
   /// Function from a voxel to its grey value as the source stores it. NaN maps to the lowest point of the
@@ -247,7 +244,7 @@ class RayVolume::Builder {
       const auto stored = stored_greys<decltype(tag)>(source);
       pool_.for_each(slices, [&](std::size_t z) {
         for_each_piece(source, static_cast<std::int64_t>(z), [&](const Piece& piece) {
-          float* row = greys + place(piece.x, piece.y, static_cast<std::int64_t>(z));
+          float* row = greys + volume_.place(piece.x, piece.y, static_cast<std::int64_t>(z));
           for (std::int64_t n = 0; n < piece.length; ++n)
             row[n] = stored(piece.voxel + static_cast<std::size_t>(n));
         });
@@ -262,7 +259,8 @@ class RayVolume::Builder {
     for (const std::int64_t behind : {0, 1}) {
       for_each_piece(source, z + behind, [&](const Piece& piece) {
         for (const std::int64_t below : {0, 1}) {
-          std::uint8_t* cell = cell_corners + 8 * place(piece.x, piece.y - below, z) + 4 * behind + 2 * below;
+          std::uint8_t* cell =
+              cell_corners + 8 * volume_.place(piece.x, piece.y - below, z) + 4 * behind + 2 * below;
           const std::uint8_t* grey = greys + piece.voxel;
           for (std::int64_t n = 0; n < piece.length; ++n) {
             cell[8 * n] = grey[n];
@@ -301,7 +299,7 @@ class RayVolume::Builder {
       const auto z = static_cast<std::int64_t>(slice);
       for_each_piece(source, z, [&](const Piece& piece) {
         const std::array<float, 3>& color = request_.appearances[piece.draw].color;
-        const std::size_t first = kFour * place(piece.x, piece.y, z);
+        const std::size_t first = kFour * volume_.place(piece.x, piece.y, z);
         for (std::int64_t n = 0; n < piece.length; ++n) {
           const std::size_t at = first + kFour * static_cast<std::size_t>(n);
           std::copy(color.begin(), color.end(), colors + at);
@@ -325,7 +323,7 @@ class RayVolume::Builder {
         const VolumeAppearance& appearance = request_.appearances[piece.draw];
         voxels.resize(static_cast<std::size_t>(piece.length));
         appearance.look_up(request_.cache.values(), piece.voxel, 1, voxels.size(), voxels.data());
-        const std::size_t first = kFour * place(piece.x, piece.y, z);
+        const std::size_t first = kFour * volume_.place(piece.x, piece.y, z);
         for (std::int64_t n = 0; n < piece.length; ++n) {
           const auto number = static_cast<std::size_t>(n);
           ClassifiedVoxel& voxel = voxels[number];
