@@ -31,9 +31,7 @@ constexpr Matrix kLab{{{0.2104542553, 0.7936177850, -0.0040720468},
                        {0.0259040371, 0.7827717662, -0.8086757660}}};
 
 Vec3 times(const Matrix& m, const Vec3& v) {
-  Vec3 product;
-  for (std::size_t n = 0; n < 3; ++n) product[n] = m[n][0] * v[0] + m[n][1] * v[1] + m[n][2] * v[2];
-  return product;
+  return {dot(m[0], v), dot(m[1], v), dot(m[2], v)};
 }
 
 /// A colour in OKLab, as each of kSights sees it.
@@ -89,43 +87,35 @@ std::vector<std::pair<ClassId, ClassId>> touching_classes(const ClassTable& clas
                                                           const Index3& size) {
   std::vector<ClassId> ids(runs.size());
   std::iota(ids.begin(), ids.end(), kEmptyClass);
+  const auto end = [](const Run& run) { return std::uint64_t{run.start} + run.length; };
   const ValueGroups groups(classes);  // of classes of the same structures: the first one stands for all
   std::vector<ClassSpan> spans;
-  std::vector<std::pair<ClassId, ClassId>> pairs;
-  std::vector<ClassId> latest(classes.size(), kEmptyClass);  // [smaller class]: most pairs come in sequence
-  TaskPace pace;
-  const auto touch = [&](ClassId a, ClassId b) {
-    pace.step();
-    if (a > b) std::swap(a, b);
-    if (a != b && std::exchange(latest[a], b) != b) pairs.emplace_back(a, b);
-  };
-  const auto end = [](const Run& run) { return std::uint64_t{run.start} + run.length; };
   for (ClassSpan span : merge_runs(ids, runs)) {
     span.of = groups.classes[groups.group_of[span.of]].front();
-    if (!spans.empty() && spans.back().run.scanline == span.run.scanline &&
-        end(spans.back().run) == span.run.start) {
-      if (spans.back().of == span.of) {
-        spans.back().run.length += span.run.length;
-        continue;
-      }
-      touch(spans.back().of, span.of);
-    }
-    spans.push_back(span);
+    const bool continues = !spans.empty() && spans.back().of == span.of &&
+                           spans.back().run.scanline == span.run.scanline &&
+                           end(spans.back().run) == span.run.start;
+    if (continues) spans.back().run.length += span.run.length;
+    if (!continues) spans.push_back(span);
   }
+  std::vector<std::pair<ClassId, ClassId>> pairs;
+  std::vector<ClassId> latest(classes.size(), kEmptyClass);  // [smaller class]: most pairs come in sequence
   const auto rows = static_cast<std::uint64_t>(size[1]);
-  for (const bool next_slice : {false, true}) {  // the same row of it; else the next row
+  TaskPace pace;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::uint64_t voxels = axis == 0 ? 1 : 0, scanlines = axis == 2 ? rows : axis;
     std::size_t first = 0;
     for (const ClassSpan& span : spans) {
-      const Run& run = span.run;
-      const std::uint64_t next = run.scanline + (next_slice ? rows : 1);
-      if (!next_slice && next % rows == 0) continue;
-      const auto is_before = [&](const Run& other) {
-        return other.scanline < next || (other.scanline == next && end(other) <= run.start);
-      };
-      while (first < spans.size() && is_before(spans[first].run)) ++first;
+      const std::uint64_t row = span.run.scanline + scanlines;
+      if (axis == 1 && row % rows == 0) continue;
+      while (first < spans.size() && std::pair(spans[first].run.scanline, end(spans[first].run)) <=
+                                         std::pair(row, span.run.start + voxels))
+        ++first;
       for (std::size_t n = first; n < spans.size(); ++n) {
-        if (spans[n].run.scanline != next || spans[n].run.start >= end(run)) break;
-        touch(span.of, spans[n].of);
+        if (spans[n].run.scanline != row || spans[n].run.start >= end(span.run) + voxels) break;
+        pace.step();
+        const auto [a, b] = std::minmax(span.of, spans[n].of);
+        if (a != b && std::exchange(latest[a], b) != b) pairs.emplace_back(a, b);
       }
     }
   }
