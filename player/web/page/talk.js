@@ -205,11 +205,10 @@ const Talk = {
     else if (document.fullscreenElement) document.exitFullscreen();
   },
 
-  /** Ends the black screen, the large picture or the dot. @returns {boolean} whether there was one */
+  /** Ends the black screen, the large picture or the dot. */
   end() {
     const what = ['black', 'large', 'dot'].find(each => document.body.dataset[each]);
     if (what) Talk.toggle(what);
-    return Boolean(what);
   },
 
   start() {

@@ -10,8 +10,20 @@
 const kMinScale = 0.25;
 const kScaleStep = 1 / 16;
 const kMaxGrowth = 1.25;
-const kTasks = {draw: drawPicture, pick: answerPick, hover: answerHover, fit: answerFit, label: answerLabel,
-  light: answerLight, slices: answerSlices};  // in the order of work
+/** What answers each request, in the order of work; 'hover', 'label' and 'light' of the latest picture alone. */
+const kTasks = {
+  draw: drawPicture,
+  pick: answerPick,
+  hover: ({serial, u, v}) =>
+    ({type: 'hovered', hovered: isLatest(serial) ? splatlas.pick(u * latest.width, v * latest.height) : null}),
+  fit: ({state: {select, palette, cuts, size, camera}}) =>
+    ({type: 'fitted', camera: splatlas.fitted({select, palette, cuts, size, camera})}),
+  label: ({serial, options}) => ({type: 'labelled', layer: isLatest(serial) ? splatlas.labels(options) : null}),
+  light: ({serial, structure}) => ({type: 'lit', rows: isLatest(serial) ? splatlas.light(structure) : []}),
+  slices: ({wanted}) =>
+    ({type: 'sliced', slices: wanted.map(([axis, index]) => ({axis, index, ...splatlas.slice(axis, index)}))}),
+};
+const isLatest = serial => latest?.serial === serial;
 
 let opening = null;    // the module until its atlas is open
 let splatlas = null;
@@ -152,33 +164,9 @@ function adapt(ms, budget) {
   scale = Math.max(kMinScale, Math.round(wanted / kScaleStep) * kScaleStep);
 }
 
-function answerFit({state: {select, palette, cuts, size, camera}}) {
-  return {type: 'fitted', camera: splatlas.fitted({select, palette, cuts, size, camera})};
-}
-
-/** Names on the finished picture, while it is the latest. */
-function answerLabel({serial, options}) {
-  return {type: 'labelled', layer: latest?.serial === serial ? splatlas.labels(options) : null};
-}
-
-/** Where a structure is in the latest picture. */
-function answerLight({serial, structure}) {
-  return {type: 'lit', rows: latest?.serial === serial ? splatlas.light(structure) : []};
-}
-
-function answerSlices({wanted}) {
-  return {type: 'sliced', slices: wanted.map(([axis, index]) => ({axis, index, ...splatlas.slice(axis, index)}))};
-}
-
-/** The name under a resting pointer, in the latest picture alone. */
-function answerHover({serial, u, v}) {
-  const isLatest = latest?.serial === serial;
-  return {type: 'hovered', hovered: isLatest ? splatlas.pick(u * latest.width, v * latest.height) : null};
-}
-
 /** Picks in the page's newest state. The latest picture is of another one only after an error. */
 function answerPick({serial, state, pick}) {
-  if (latest?.serial !== serial) render({...state, serial, budget: 0, quality: 'draft'}, 1);
+  if (!isLatest(serial)) render({...state, serial, budget: 0, quality: 'draft'}, 1);
   return {type: 'picked', pick, picked: splatlas.pick(pick.u * latest.width, pick.v * latest.height)};
 }
 })();
