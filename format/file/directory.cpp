@@ -207,7 +207,7 @@ void read_scenes_and_sources(const schema::Directory& d, TextReader& text, Direc
   }
 }
 
-Result<void> read_chunks(const schema::Directory& d, Directory& directory) {
+void read_chunks(const schema::Directory& d, Directory& directory) {
   for (const schema::Section* row : *d.sections()) {
     directory.sections.push_back({row->kind(), row->chunks(), row->chunk_bytes(), row->shared_bytes()});
   }
@@ -216,7 +216,6 @@ Result<void> read_chunks(const schema::Directory& d, Directory& directory) {
     directory.chunks.push_back(
         {row->checksum(), row->stored_bytes(), static_cast<ChunkCodec>(row->codec()), row->filter()});
   }
-  return {};
 }
 
 }  // namespace
@@ -265,7 +264,7 @@ Result<Directory> decode_directory(std::span<const std::byte> bytes) {
   if (d.mean_blocks() != nullptr)
     directory.mean_blocks.assign(d.mean_blocks()->begin(), d.mean_blocks()->end());
   read_scenes_and_sources(d, text, directory);
-  SPLATLAS_RETURN_IF_ERROR(read_chunks(d, directory));
+  read_chunks(d, directory);
   return directory;
 }
 

@@ -19,19 +19,6 @@ TextWriter write_text(const Directory& directory) {
   return text;
 }
 
-TextWriter write_scene_text(const std::vector<Scene>& scenes) {
-  TextWriter text;
-  for (const Scene& scene : scenes) text.add({scene.question, scene.cuts, scene.center});
-  return text;
-}
-
-TextWriter write_scene_views(const std::vector<Scene>& scenes) {
-  TextWriter text;
-  for (const Scene& scene : scenes)
-    text.add({scene.perspective ? kPerspective : "", fmt::format("{}", fmt::join(scene.labels, "\n"))});
-  return text;
-}
-
 struct StructureTable {
   std::vector<schema::Structure> structures;
   std::vector<std::uint32_t> parents;
@@ -108,9 +95,12 @@ Result<std::vector<std::byte>> encode_directory(const Directory& directory) {
     return schema::Chunk(c.checksum, c.stored_bytes, static_cast<std::uint8_t>(c.codec), c.filter, 0);
   });
 
-  const TextWriter scene_text = write_scene_text(directory.scenes);
+  TextWriter scene_text, scene_views;
+  for (const Scene& s : directory.scenes) {
+    scene_text.add({s.question, s.cuts, s.center});
+    scene_views.add({s.perspective ? kPerspective : "", fmt::format("{}", fmt::join(s.labels, "\n"))});
+  }
   const bool has_scene_text = !scene_text.bytes().empty();
-  const TextWriter scene_views = write_scene_views(directory.scenes);
   const bool has_scene_views = !scene_views.bytes().empty();
   const bool has_terms = !structures.term_text.ends().empty();
   flatbuffers::FlatBufferBuilder builder;
