@@ -14,6 +14,13 @@ bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\n' || c == '\r';
 }
 
+/// True if unquoted names may contain the character.
+bool is_name_character(char c) {
+  const bool beyond_ascii = static_cast<unsigned char>(c) >= 0x80;
+  return is_ascii_letter_or_digit(c) || beyond_ascii ||
+         std::string_view("_./*'").find(c) != std::string_view::npos;
+}
+
 /// One function per rule of the grammar in selection.h.
 class Parser {
  public:
@@ -79,7 +86,7 @@ class Parser {
     }
     term.name = word();
     if (term.name.empty()) return fault("expected the name of a structure");
-    if (is_rest(term.name)) term.target = TermTarget::kRest;
+    if (equal_ignoring_case(term.name, "rest")) term.target = TermTarget::kRest;
     return {};
   }
 
@@ -189,16 +196,6 @@ class Parser {
 };
 
 }  // namespace
-
-bool is_name_character(char c) {
-  const bool alphanumeric = (c >= '0' && c <= '9') || (to_lower(c) >= 'a' && to_lower(c) <= 'z');
-  const bool beyond_ascii = static_cast<unsigned char>(c) >= 0x80;
-  return alphanumeric || beyond_ascii || std::string_view("_./*'").find(c) != std::string_view::npos;
-}
-
-bool is_rest(std::string_view name) {
-  return equal_ignoring_case(name, "rest");
-}
 
 Result<std::vector<SelectionTerm>> parse_selection(std::string_view text) {
   return Parser(text).selection();

@@ -22,11 +22,6 @@ namespace splatlas {
 [[nodiscard]] Result<std::vector<StructureIndex>> find_target(const StructureGraph& graph,
                                                               const SelectionTerm& term);
 
-/// True if unquoted names may contain the character.
-[[nodiscard]] bool is_name_character(char c);
-/// True for the word that stands for the rest unless it is quoted.
-[[nodiscard]] bool is_rest(std::string_view name);
-
 /// A syntax or range error in the value of an option.
 struct OptionFault {
   std::size_t offset = 0;  ///< byte offset in the value
