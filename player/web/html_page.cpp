@@ -71,10 +71,6 @@ std::string base64(std::span<const std::byte> bytes) {
   return text;
 }
 
-std::string base64(std::string_view bytes) {
-  return base64(std::as_bytes(std::span(bytes)));
-}
-
 /// The source expression of a content security policy that allows this script or style.
 std::string hash_source(std::string_view text) {
   std::array<std::byte, SHA256_DIGEST_SIZE> digest{};
@@ -142,7 +138,7 @@ Result<std::string> encode_html(const HtmlPage& page) {
        {"picture", base64(page.picture)},
        {"opening", json_in_markup(page.opening)},
        {"worker", std::string(worker_script())},
-       {"module", page.is_served ? std::string() : base64(web_module_gzip())},
+       {"module", page.is_served ? std::string() : base64(std::as_bytes(std::span(web_module_gzip())))},
        {"served", page.is_served ? " data-served" : ""},
        {"url", page.url},
        {"atlas", base64(page.atlas)}}};
