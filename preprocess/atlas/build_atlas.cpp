@@ -1,6 +1,5 @@
 #include "preprocess/atlas/build_atlas.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -9,7 +8,6 @@
 #include "format/atlas_writer.h"
 #include "format/derive/distinct_colors.h"
 #include "format/derive/value_groups.h"
-#include "format/io/output_file.h"
 #include "format/result_macros.h"
 #include "preprocess/import/tables/read_scenes.h"
 #include "preprocess/surfaces/extract_surfaces.h"

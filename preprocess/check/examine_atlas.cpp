@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <set>
-#include <span>
 #include <tuple>
 
 #include <fmt/format.h>

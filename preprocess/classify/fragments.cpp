@@ -4,7 +4,6 @@
 #include <iterator>
 #include <map>
 #include <utility>
-#include <vector>
 
 namespace splatlas {
 namespace {

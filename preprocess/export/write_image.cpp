@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <cstddef>
 #include <cstring>
 #include <functional>
 #include <initializer_list>
@@ -22,7 +21,6 @@
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"
 #include "format/text/ascii_text.h"
-#include "preprocess/import/images/import_image.h"
 #include "preprocess/import/images/nifti/nifti_header.h"
 #include "preprocess/import/images/pixels/check_image_file.h"
 #include "preprocess/import/tables/text_file.h"

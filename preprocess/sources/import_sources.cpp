@@ -12,7 +12,6 @@
 #include "preprocess/import/images/import_image.h"
 #include "preprocess/import/images/pixels/image_readers.h"
 #include "preprocess/import/labels/import_labels.h"
-#include "preprocess/import/tables/names_table.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

@@ -1,7 +1,6 @@
 #include "preprocess/surfaces/vtk_surface.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <optional>
 #include <string>

@@ -1,6 +1,5 @@
 #include "tests/fuzz/fuzz_target.h"
 
-#include <algorithm>
 #include <vector>
 
 namespace splatlas {

@@ -1,7 +1,6 @@
 #include "player/renderer.h"
 
 #include <cmath>
-#include <memory>
 #include <random>
 
 #include <fmt/format.h>

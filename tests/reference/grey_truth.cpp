@@ -1,7 +1,6 @@
 #include "tests/reference/grey_truth.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>

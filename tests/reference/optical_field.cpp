@@ -1,7 +1,6 @@
 #include "tests/reference/optical_field.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "format/content/decision_tree.h"
 #include "player/transfer_function.h"

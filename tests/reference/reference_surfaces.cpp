@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <set>
 #include <tuple>
 
 #include "format/content/decision_tree.h"
-#include "tests/reference/ray.h"
 #include "tests/reference/reference_radiance.h"
 
 namespace splatlas::reference {

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "player/render/view/shear.h"
-#include "tests/reference/ray.h"
 #include "tests/reference/ray_surfaces.h"
 #include "tests/support/test_content.h"
 

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "format/text/ascii_text.h"
-#include "preprocess/import/tables/names_collector.h"
 #include "preprocess/import/tables/text_file.h"
 
 namespace splatlas {

@@ -5,18 +5,13 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
-#include <string>
 #include <system_error>
-#include <utility>
-#include <vector>
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nettle/sha2.h>
 #include <utf8cpp/utf8.h>
 
 #include "format/result_macros.h"
-#include "format/text/ascii_text.h"
 
 namespace splatlas {
 namespace {

@@ -1,6 +1,5 @@
 #include "format/content/grid.h"
 
-#include <cmath>
 #include <cstring>
 #include <numbers>
 

@@ -6,7 +6,6 @@
 #include <limits>
 #include <numbers>
 #include <random>
-#include <vector>
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,5 @@
 #include "format/atlas_writer.h"
 
-#include <functional>
 #include <limits>
 #include <thread>
 

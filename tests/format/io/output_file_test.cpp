@@ -1,7 +1,6 @@
 #include "format/io/output_file.h"
 
 #include <fstream>
-#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,7 +1,5 @@
 #include "format/program/standard_output.h"
 
-#include <cstdio>
-#include <filesystem>
 #include <new>
 #include <stdexcept>
 #include <string>

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "format/content/selection.h"
 #include "tests/format/random_graph.h"
 
 namespace splatlas {

@@ -1,6 +1,5 @@
 #include "format/tasks/task_control.h"
 
-#include <atomic>
 #include <vector>
 
 #include <gmock/gmock.h>

@@ -1,6 +1,5 @@
 #include "format/tasks/thread_pool.h"
 
-#include <atomic>
 #include <set>
 #include <stdexcept>
 

@@ -1,7 +1,5 @@
 #include "format/text/ascii_text.h"
 
-#include <array>
-#include <cstdint>
 #include <iterator>
 
 #include <gtest/gtest.h>

@@ -1,7 +1,5 @@
 #include "format/text/printable_text.h"
 
-#include <filesystem>
-
 #include <gtest/gtest.h>
 
 namespace splatlas {

@@ -3,7 +3,6 @@
 
 #include <gmock/gmock.h>
 
-#include "player/page/page_layout.h"
 #include "player/page/place_labels.h"
 #include "tests/player/page/label_scene.h"
 #include "tests/support/fails_with.h"

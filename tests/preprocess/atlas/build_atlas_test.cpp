@@ -2,17 +2,13 @@
 
 #include "preprocess/atlas/build_atlas.h"
 
-#include <array>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <random>
-#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "format/atlas_reader.h"
 #include "format/content/decision_tree.h"
 #include "format/derive/distinct_colors.h"
 #include "preprocess/export/export_atlas.h"

@@ -1,6 +1,5 @@
 #include "preprocess/export/export_labels.h"
 
-#include <filesystem>
 #include <limits>
 
 #include <fmt/format.h>

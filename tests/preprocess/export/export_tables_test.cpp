@@ -6,7 +6,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "preprocess/import/tables/names_table.h"
 #include "preprocess/structures/build_graph.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/file_bytes.h"

@@ -1,6 +1,5 @@
 #include "preprocess/export/write_mesh.h"
 
-#include <filesystem>
 #include <stop_token>
 #include <string>
 #include <utility>

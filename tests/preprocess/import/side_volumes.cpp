@@ -1,7 +1,6 @@
 #include "tests/preprocess/import/side_volumes.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <fmt/format.h>

@@ -2,9 +2,6 @@
 
 #include "preprocess/structures/build_graph.h"
 
-#include <string>
-#include <vector>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,6 +1,5 @@
 #include "preprocess/import/images/dicom/read_segmentation.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "format/result_macros.h"

@@ -1,8 +1,6 @@
 #include "preprocess/import/images/nifti/nifti_header.h"
 
-#include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <string_view>
 
 #include <fmt/format.h>

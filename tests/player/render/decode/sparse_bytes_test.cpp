@@ -1,7 +1,6 @@
 #include "player/render/decode/sparse_bytes.h"
 
 #include <algorithm>
-#include <cstddef>
 #include <utility>
 
 #include <gtest/gtest.h>

@@ -1,8 +1,6 @@
 // Clusters of triangles: nothing is lost or changed, and borders are found.
 #include "player/render/decode/surface_clusters.h"
 
-#include <algorithm>
-#include <array>
 #include <random>
 
 #include <gtest/gtest.h>

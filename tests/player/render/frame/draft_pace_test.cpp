@@ -1,6 +1,5 @@
 #include "player/render/frame/draft_pace.h"
 
-#include <algorithm>
 #include <tuple>
 
 #include <gtest/gtest.h>

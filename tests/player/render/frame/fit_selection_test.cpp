@@ -1,7 +1,6 @@
 // Fit of cameras to selections: Renderer::fit().
 #include "player/render/frame/fit_selection.h"
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <random>

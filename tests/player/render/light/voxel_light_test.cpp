@@ -1,6 +1,5 @@
 #include "player/render/light/voxel_light.h"
 
-#include <cmath>
 #include <numbers>
 #include <random>
 #include <vector>

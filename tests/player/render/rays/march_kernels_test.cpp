@@ -1,9 +1,7 @@
 #include "player/render/rays/march_kernels.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdint>
 #include <vector>
 
 #include <gtest/gtest.h>

@@ -1,8 +1,6 @@
 #include "player/render/simd/simd_choice.h"
 
-#include <cstdlib>
 #include <string>
-#include <string_view>
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,5 @@
 #include "player/render/surfaces/rasterize.h"
 
-#include <limits>
 #include <list>
 #include <map>
 #include <random>

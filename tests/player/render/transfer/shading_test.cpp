@@ -1,6 +1,5 @@
 #include "player/render/transfer/shading.h"
 
-#include <cmath>
 #include <limits>
 #include <random>
 #include <utility>

@@ -1,7 +1,5 @@
 #include "player/render/view/shear.h"
 
-#include <cmath>
-
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 

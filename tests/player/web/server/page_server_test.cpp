@@ -3,14 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
-#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <random>
 #include <stdexcept>
-#include <string>
-#include <string_view>
 #include <thread>
 
 #include <arpa/inet.h>
@@ -22,7 +18,6 @@
 
 #include "format/atlas_writer.h"
 #include "player/web/page_engine.h"
-#include "player/web/server/lesson_file.h"
 #include "tests/format/ordinary_user.h"
 #include "tests/support/fails_with.h"
 #include "tests/support/file_bytes.h"

@@ -1,7 +1,6 @@
 #include "preprocess/import/images/import_image.h"
 
 #include <cmath>
-#include <filesystem>
 #include <limits>
 
 #include <gmock/gmock.h>

@@ -1,7 +1,6 @@
 #include "preprocess/import/labels/import_labels.h"
 
 #include <cmath>
-#include <filesystem>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

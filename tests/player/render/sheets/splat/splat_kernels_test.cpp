@@ -1,9 +1,7 @@
 #include "player/render/sheets/splat/splat_kernels.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdint>
 #include <random>
 #include <vector>
 

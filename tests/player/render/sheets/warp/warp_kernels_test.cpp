@@ -1,7 +1,6 @@
 #include "player/render/sheets/warp/warp_kernels.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <random>
 #include <vector>

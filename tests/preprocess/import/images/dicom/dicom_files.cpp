@@ -3,7 +3,6 @@
 
 #include <memory>
 #include <stdexcept>
-#include <string>
 
 #include <dcmtk/config/osconfig.h>
 #include <dcmtk/dcmdata/dcpixseq.h>
