@@ -2,7 +2,6 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <span>
 
 #include "format/tasks/thread_pool.h"
 #include "preprocess/import/images/import_image.h"
@@ -35,20 +34,6 @@ void for_each_voxel(const Grid& grid, const Affine& map, const Visit& visit) {
         visit(static_cast<std::size_t>(grid.offset(i, j, k)), map.apply(voxel));
       }
     }
-  });
-}
-
-void copy_nearest(std::span<const std::byte> from, const Grid& source, const Grid& grid,
-                  std::size_t bytes_each, std::span<std::byte> to) {
-  for_each_voxel(grid, index_map(grid, source), [&](std::size_t v, const Vec3& index) {
-    Index3 nearest;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const double rounded = std::floor(index[a] + 0.5);
-      if (!(rounded >= 0 && rounded < static_cast<double>(source.size[a]))) return;
-      nearest[a] = static_cast<std::int64_t>(rounded);
-    }
-    const auto at = static_cast<std::size_t>(source.offset(nearest[0], nearest[1], nearest[2]));
-    std::memcpy(&to[v * bytes_each], &from[at * bytes_each], bytes_each);
   });
 }
 
@@ -91,25 +76,24 @@ class LinearSampler {
 
 }  // namespace
 
-VoxelBuffer resample_nearest(const Image& image, const Grid& grid) {
-  const std::size_t bytes_each = bytes_of(image.voxels.type);
-  VoxelBuffer result{image.voxels.type,
-                     std::vector<std::byte>(static_cast<std::size_t>(grid.voxels()) * bytes_each)};
-  copy_nearest(image.voxels.bytes, image.grid, grid, bytes_each, result.bytes);
-  return result;
-}
-
-SourceImage resample_nearest(const SourceImage& image, const Grid& grid) {
-  SourceImage result = image;
-  const std::size_t bytes_each = bytes_of(image.voxels.type);
-  const std::size_t from = image.voxels.bytes.size() / image.layers;
-  const std::size_t to = static_cast<std::size_t>(grid.voxels()) * bytes_each;
-  result.grid = grid;
-  result.voxels.bytes.assign(to * image.layers, std::byte{0});
-  for (std::size_t n = 0; n < image.layers; ++n) {
-    copy_nearest(std::span(image.voxels.bytes).subspan(n * from, from), image.grid, grid, bytes_each,
-                 std::span(result.voxels.bytes).subspan(n * to, to));
-  }
+VoxelBuffer resample_nearest(const VoxelBuffer& voxels, const Grid& source, const Grid& grid) {
+  const std::size_t bytes_each = bytes_of(voxels.type);
+  const std::size_t from = static_cast<std::size_t>(source.voxels()) * bytes_each,
+                    to = static_cast<std::size_t>(grid.voxels()) * bytes_each;
+  const std::size_t layers = voxels.bytes.size() / from;
+  VoxelBuffer result{voxels.type, std::vector<std::byte>(layers * to)};
+  for_each_voxel(grid, index_map(grid, source), [&](std::size_t v, const Vec3& index) {
+    Index3 nearest;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double rounded = std::floor(index[a] + 0.5);
+      if (!(rounded >= 0 && rounded < static_cast<double>(source.size[a]))) return;
+      nearest[a] = static_cast<std::int64_t>(rounded);
+    }
+    const auto at = static_cast<std::size_t>(source.offset(nearest[0], nearest[1], nearest[2]));
+    for (std::size_t n = 0; n < layers; ++n)
+      std::memcpy(&result.bytes[n * to + v * bytes_each], &voxels.bytes[n * from + at * bytes_each],
+                  bytes_each);
+  });
   return result;
 }
 

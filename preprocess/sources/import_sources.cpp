@@ -258,7 +258,7 @@ class SourceImporter {
       if (!(overlap(image.grid, model_.source_grid) > 0))
         return bad_file(file, "lies outside the grid of the other files");
       notes_.add("resampled-segment-masks", item);
-      image.voxels = resample_nearest(image, model_.source_grid);
+      image.voxels = resample_nearest(image.voxels, image.grid, model_.source_grid);
       image.grid = model_.source_grid;
     }
     SPLATLAS_RETURN_IF_ERROR(remember(role, file));

@@ -60,10 +60,8 @@ struct Image {
 /// Binary mask in the same order: 1 for every voxel that is not 0 or NaN.
 [[nodiscard]] std::vector<std::uint8_t> mask_of(const VoxelBuffer& voxels);
 
-/// The voxels of `image` that lie nearest to the voxels of `grid`; 0 beyond the image.
-[[nodiscard]] VoxelBuffer resample_nearest(const Image& image, const Grid& grid);
-/// The same for every layer.
-[[nodiscard]] SourceImage resample_nearest(const SourceImage& image, const Grid& grid);
+/// Of every layer, the voxels of `source` that lie nearest to the voxels of `grid`; 0 beyond `source`.
+[[nodiscard]] VoxelBuffer resample_nearest(const VoxelBuffer& voxels, const Grid& source, const Grid& grid);
 
 /// Trilinear interpolation at the voxels of `grid`, rounded for integers; the least value of the image beyond
 /// it. Uses all cores.

@@ -161,7 +161,7 @@ class MaskFolder {
       sizes.ml_before = static_cast<double>(sizes.voxels_before) * voxel_volume_mm3(image.grid) / 1000;
     }
     if (!have_same_voxels(labels_.source_grid, image.grid)) {
-      image.voxels = resample_nearest(image, labels_.source_grid);
+      image.voxels = resample_nearest(image.voxels, image.grid, labels_.source_grid);
       image.grid = labels_.source_grid;
     }
     const std::uint64_t count =
@@ -320,15 +320,19 @@ Result<ImportedLabels> import_labels(const fs::path& path, ImageOptions options,
                 check_same_grid(image.grid, path.string(), *grid, "the volume").error().message);
   }
   const std::size_t frame_of_reference = image.frame_of_reference;
-  SourceImage moved = is_resampled ? resample_nearest(image, *grid) : SourceImage();
+  SourceImage moved;
+  if (is_resampled) {
+    moved = image;
+    moved.voxels = resample_nearest(image.voxels, image.grid, *grid);
+    moved.grid = *grid;
+    moved.notes = {};
+  }
   SPLATLAS_ASSIGN_OR_RETURN(ImportedLabels labels,
                             read_structures(std::move(image), path.string(), options.as_labels));
   if (is_resampled) {
-    moved.notes = {};
     SPLATLAS_ASSIGN_OR_RETURN(ImportedLabels resampled,
                               read_structures(std::move(moved), path.string(), options.as_labels));
-    Notes notes = std::move(labels.notes);
-    resampled.notes = std::move(notes);
+    resampled.notes = std::move(labels.notes);
     resampled.doubt = labels.doubt;
     resampled.resampled = compare(labels, resampled);
     labels = std::move(resampled);

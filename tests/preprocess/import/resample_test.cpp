@@ -41,7 +41,8 @@ TEST(Resample, BeyondTheImageIsItsLeastValueOrZero) {
   source.voxels.as<std::int16_t>()[0] = -1000;
   source.voxels.as<std::int16_t>()[1] = 7;
   const Grid wide{.size = {5, 1, 1}, .spacing_mm = {0.5, 1, 1}, .origin_lps_mm = {-1, 0, 0}};
-  const VoxelBuffer linear = resample_linear(source, wide), nearest = resample_nearest(source, wide);
+  const VoxelBuffer linear = resample_linear(source, wide),
+                    nearest = resample_nearest(source.voxels, source.grid, wide);
   const std::vector<std::int16_t> values(linear.as<std::int16_t>(), linear.as<std::int16_t>() + 5),
       labels(nearest.as<std::int16_t>(), nearest.as<std::int16_t>() + 5);
   EXPECT_EQ(values, (std::vector<std::int16_t>{-1000, -1000, -1000, -496, 7}));  // -496.5 is rounded upwards
@@ -68,18 +69,15 @@ TEST(Resample, NearestPermutesEveryLayer) {
   std::mt19937 random(3);
   const Image one = random_volume(kSource, VoxelType::kUInt16, random),
               two = random_volume(kSource, VoxelType::kUInt16, random);
-  SourceImage layers;
-  layers.grid = kSource;
-  layers.layers = 2;
-  layers.voxels = one.voxels;
-  layers.voxels.bytes.insert(layers.voxels.bytes.end(), two.voxels.bytes.begin(), two.voxels.bytes.end());
+  VoxelBuffer layers = one.voxels;
+  layers.bytes.insert(layers.bytes.end(), two.voxels.bytes.begin(), two.voxels.bytes.end());
   const AxisOrder order{{2, 0, 1}, {true, false, true}};
-  const SourceImage moved = resample_nearest(layers, reordered(kSource, order));
-  std::vector<std::byte> expected(layers.voxels.bytes.size());
+  const VoxelBuffer moved = resample_nearest(layers, kSource, reordered(kSource, order));
+  std::vector<std::byte> expected(layers.bytes.size());
   const std::size_t half = expected.size() / 2;
   reorder_voxels(one.voxels.bytes.data(), kSource.size, order, 2, expected.data());
   reorder_voxels(two.voxels.bytes.data(), kSource.size, order, 2, &expected[half]);
-  EXPECT_EQ(moved.voxels.bytes, expected);
+  EXPECT_EQ(moved.bytes, expected);
 }
 
 TEST(Resample, MeasuresOverlap) {
