@@ -15,24 +15,16 @@ namespace splatlas {
 namespace {
 
 /// Extracts the surface and the boundary normals of single structures.
-class StructureExtractor {
- public:
-  StructureExtractor(const ClassifiedVoxels& classification, const StructureClasses& structure_classes,
-                     const Grid& grid, const ExtractOptions& options,
-                     std::span<const StructureIndex> normal_owner,
-                     std::span<std::vector<PackedNormal>> normals)
-      : classification_(classification),
-        structure_classes_(structure_classes),
-        grid_(grid),
-        options_(options),
-        rule_(rule_for(options.rule, grid.size)),
-        smooths_across_(rule_ == SurfaceRule::kSmooth && has_thick_slices(grid)),
-        voxel_normals_(grid),
-        normal_owner_(normal_owner),
-        normals_(normals) {}
-
-  /// True if surfaces need smooth_across_slices().
-  [[nodiscard]] bool smooths_across() const { return smooths_across_; }
+struct StructureExtractor {
+  const ClassifiedVoxels& classification;
+  const StructureClasses& structure_classes;
+  const Grid& grid;
+  const ExtractOptions& options;
+  std::span<const StructureIndex> normal_owner;
+  std::span<std::vector<PackedNormal>> normals;  ///< [class]
+  SurfaceRule rule = rule_for(options.rule, grid.size);
+  bool smooths_across = rule == SurfaceRule::kSmooth && has_thick_slices(grid);  ///< smooth_across_slices()
+  VoxelNormals voxel_normals{grid};
 
   struct Extracted {
     SurfaceMesh mesh;
@@ -41,47 +33,36 @@ class StructureExtractor {
   };
   /// The surface of a structure within `box`; writes the normals of the boundary voxels that it owns.
   [[nodiscard]] Result<Extracted> extract(StructureIndex structure, const IndexBox& box) const {
-    const std::span<const StructureClass> members = structure_classes_.of(structure);
-    const StructureCrop crop = crop_structure(classification_.runs, grid_.size[1], box, members);
+    const std::span<const StructureClass> members = structure_classes.of(structure);
+    const StructureCrop crop = crop_structure(classification.runs, grid.size[1], box, members);
     std::vector<RunsBySlice> owned;
     for (const StructureClass& h : members) {
-      if (normal_owner_[h.id] == structure) owned.push_back({h.id, classification_.runs.classes[h.id]});
+      if (normal_owner[h.id] == structure) owned.push_back({h.id, classification.runs.classes[h.id]});
     }
     Extracted result;
-    result.mesh = fit_surface(crop, grid_, rule_, [&](const SmoothGradient& gradient, std::int64_t k) {
+    result.mesh = fit_surface(crop, grid, rule, [&](const SmoothGradient& gradient, std::int64_t k) {
       for (RunsBySlice& runs : owned) {
-        runs.visit_slice(k, crop, grid_.size[1], [&](std::int64_t i, std::int64_t j) {
-          normals_[runs.id].push_back(voxel_normals_.normal(gradient.at(i, j)));
+        runs.visit_slice(k, crop, grid.size[1], [&](std::int64_t i, std::int64_t j) {
+          normals[runs.id].push_back(voxel_normals.normal(gradient.at(i, j)));
         });
       }
     });
     SPLATLAS_ASSIGN_OR_RETURN(const EdgeTriangles vtk, extract_with_vtk(crop));
-    SPLATLAS_ASSIGN_OR_RETURN(result.is_derived, adopt_triangles(vtk, crop, grid_, result.mesh));
-    const auto isosurface = std::ranges::find(options_.isosurfaces, structure, &Isosurface::structure);
-    if (isosurface != options_.isosurfaces.end()) {
+    SPLATLAS_ASSIGN_OR_RETURN(result.is_derived, adopt_triangles(vtk, crop, grid, result.mesh));
+    const auto isosurface = std::ranges::find(options.isosurfaces, structure, &Isosurface::structure);
+    if (isosurface != options.isosurfaces.end()) {
       SPLATLAS_RETURN_IF_ERROR(
-          move_to_isosurface(*options_.values, isosurface->level, crop, grid_, vtk, result.mesh));
+          move_to_isosurface(*options.values, isosurface->level, crop, grid, vtk, result.mesh));
       result.is_derived = true;  // nothing to note: isosurfaces are stored anyway
-    } else if (smooths_across_) {
+    } else if (smooths_across) {
       result.is_derived = true;  // stored anyway
-    } else if (!options_.keeps_fitted && result.is_derived && crop_voxels(box) <= kMaxFittedVoxels) {
-      result.fitted = {rule_, static_cast<std::uint32_t>(result.mesh.positions_ijk.size()),
+    } else if (!options.keeps_fitted && result.is_derived && crop_voxels(box) <= kMaxFittedVoxels) {
+      result.fitted = {rule, static_cast<std::uint32_t>(result.mesh.positions_ijk.size()),
                        static_cast<std::uint32_t>(result.mesh.triangles.size())};
       result.mesh = {};
     }
     return result;
   }
-
- private:
-  const ClassifiedVoxels& classification_;
-  const StructureClasses& structure_classes_;
-  const Grid& grid_;
-  const ExtractOptions& options_;
-  SurfaceRule rule_;
-  bool smooths_across_;
-  VoxelNormals voxel_normals_;
-  std::span<const StructureIndex> normal_owner_;
-  std::span<std::vector<PackedNormal>> normals_;  // [class]
 };
 
 /// Structures with voxels, largest boxes first for load balancing.
@@ -92,12 +73,7 @@ std::vector<std::pair<StructureIndex, IndexBox>> structures_to_extract(
     const IndexBox box = box_of(classes, structure_classes.of(s));
     if (!box.empty()) result.emplace_back(s, box);
   }
-  const auto voxels = [](const IndexBox& box) {
-    return (box.last[0] - box.first[0] + 1) * (box.last[1] - box.first[1] + 1) *
-           (box.last[2] - box.first[2] + 1);
-  };
-  std::stable_sort(result.begin(), result.end(),
-                   [&](const auto& a, const auto& b) { return voxels(a.second) > voxels(b.second); });
+  std::ranges::stable_sort(result, std::greater{}, [](const auto& one) { return crop_voxels(one.second); });
   return result;
 }
 
@@ -112,12 +88,11 @@ Result<ExtractedSurfaces> extract_surfaces(const ClassifiedVoxels& classificatio
   const std::vector<StructureIndex> owners = normal_owners(classification.classes);
   result.boundary_normals.resize(owners.size());
   const StructureClasses structure_classes(classification.classes, graph.size());
-  const StructureExtractor extractor(classification, structure_classes, storage_grid, options, owners,
-                                     result.boundary_normals);
+  const StructureExtractor extractor{classification, structure_classes,      storage_grid, options,
+                                     owners,         result.boundary_normals};
   const auto structures = structures_to_extract(classification.classes, structure_classes, graph);
 
-  const double extraction = extractor.smooths_across() ? 0.4 : 1;  // share of the time
-
+  const double extraction = extractor.smooths_across ? 0.4 : 1;  // share of the time
   initialize_vtk();
   std::vector<Result<StructureExtractor::Extracted>> extracted(structures.size());
   parallel_for(
@@ -139,7 +114,7 @@ Result<ExtractedSurfaces> extract_surfaces(const ClassifiedVoxels& classificatio
   }
 
   // Smooth those of labels across thick slices
-  if (!extractor.smooths_across()) return result;
+  if (!extractor.smooths_across) return result;
   std::vector<SurfaceMesh*> of_labels;
   for (StructureIndex s = 0; s < graph.size(); ++s) {
     if (std::ranges::find(options.isosurfaces, s, &Isosurface::structure) == options.isosurfaces.end())

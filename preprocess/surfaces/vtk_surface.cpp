@@ -61,36 +61,24 @@ std::vector<Triangle> as_set(std::vector<Triangle> triangles) {
   return triangles;
 }
 
-/// Sorts triangles by the leading voxel of their cell, then by cell.
-class CellOrder {
- public:
-  CellOrder(const StructureCrop& crop, const SurfaceMesh& mesh) : crop_(crop), mesh_(mesh) {}
-
-  void sort(std::vector<Triangle>& triangles) const {
-    std::ranges::stable_sort(triangles, {}, [this](const Triangle& triangle) { return place_of(triangle); });
+/// Where triangles stand: offsets in the crop of the leading voxel of their cell plus 1, or 0, and of the
+/// cell.
+std::pair<std::size_t, std::size_t> place_of(const Triangle& triangle, const StructureCrop& crop,
+                                             const SurfaceMesh& mesh) {
+  Index3 cell{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    float low = mesh.positions_ijk[triangle[0]][a];
+    for (const std::uint32_t v : triangle) low = std::min(low, mesh.positions_ijk[v][a]);
+    cell[a] = static_cast<std::int64_t>(std::floor(low)) - crop.first[a];
   }
-
- private:
-  /// Offsets in the crop of the leading voxel plus 1, or 0, and of the cell.
-  [[nodiscard]] std::pair<std::size_t, std::size_t> place_of(const Triangle& triangle) const {
-    Index3 cell{};
-    for (std::size_t a = 0; a < 3; ++a) {
-      float low = mesh_.positions_ijk[triangle[0]][a];
-      for (const std::uint32_t v : triangle) low = std::min(low, mesh_.positions_ijk[v][a]);
-      cell[a] = static_cast<std::int64_t>(std::floor(low)) - crop_.first[a];
-    }
-    for (std::int64_t corner = 0; corner < 8; ++corner) {
-      const std::size_t at =
-          crop_.offset(cell[0] + (corner & 1), cell[1] + (corner >> 1 & 1), cell[2] + (corner >> 2));
-      if (crop_.parts[at] == StructureCrop::kBoundary)
-        return {at + 1, crop_.offset(cell[0], cell[1], cell[2])};
-    }
-    return {0, crop_.offset(cell[0], cell[1], cell[2])};
+  const std::size_t offset = crop.offset(cell[0], cell[1], cell[2]);
+  for (std::int64_t corner = 0; corner < 8; ++corner) {
+    const std::size_t at =
+        crop.offset(cell[0] + (corner & 1), cell[1] + (corner >> 1 & 1), cell[2] + (corner >> 2));
+    if (crop.parts[at] == StructureCrop::kBoundary) return {at + 1, offset};
   }
-
-  const StructureCrop& crop_;
-  const SurfaceMesh& mesh_;
-};
+  return {0, offset};
+}
 
 /// Appends VTK's surface, whose first slice is slice `first` of the crop.
 Result<void> append(vtkPolyData& found, const StructureCrop& crop, std::int64_t first, EdgeTriangles& all) {
@@ -255,51 +243,40 @@ Vec3 smooth_gradient(const LevelField<T>& field, const Vec3& position) {
   return gradient;
 }
 
-/// Moves single vertices to an isosurface.
+/// Turns a normal down the gradient. Keeps one whose sign the gradient contradicts.
 template <typename T>
-class VertexMover {
- public:
-  VertexMover(const LevelField<T>& field, const Grid& grid) : field_(field), lps_normals_(grid) {}
+void turn(const LevelField<T>& field, const VoxelNormals& lps_normals, const Vec3f& position, Vec3f& normal) {
+  const Vec3 up = smooth_gradient(field, {position[0], position[1], position[2]});
+  const double length = std::max({std::abs(up[0]), std::abs(up[1]), std::abs(up[2])});
+  if (!(length > 0) || !std::isfinite(length)) return;
+  Vec3f down;
+  for (std::size_t a = 0; a < 3; ++a) down[a] = static_cast<float>(-up[a] / length);
+  const Vec3f turned = lps_normals.to_lps(down);
+  if (turned[0] * normal[0] + turned[1] * normal[1] + turned[2] * normal[2] > 0) normal = turned;
+}
 
-  /// kFailed if `found`, VTK's vertex, is not between the voxels of `edge`.
-  [[nodiscard]] Result<void> move(const VoxelEdge& edge, const Vec3f& found, Vec3f& position,
-                                  Vec3f& normal) const {
-    const double t = static_cast<double>(found[edge.axis]) - static_cast<double>(edge.low[edge.axis]);
-    bool is_on_edge = t >= -kRounding && t <= 1 + kRounding;
-    for (std::size_t a = 0; a < 3; ++a) {
-      is_on_edge = is_on_edge && (a == edge.axis || found[a] == static_cast<float>(edge.low[a]));
-    }
-    if (!is_on_edge) {
-      return fail(ErrorCode::kFailed, "VTK's isosurface has a vertex at ({}, {}, {}), off its voxel edge",
-                  found[0], found[1], found[2]);
-    }
-    const std::optional<double> low = field_.at(edge.low), high = field_.at(edge.high);
-    if (!low || !high || (*low >= 0) == (*high >= 0)) return {};
-    constexpr double kScale = kIsosurfaceScale;
-    const double rounded = std::clamp(std::round(t * kScale), 1.0, kScale - 1) / kScale;
-    position[edge.axis] = static_cast<float>(static_cast<double>(edge.low[edge.axis]) + rounded);
-    turn(position, normal);
-    return {};
+/// Moves a vertex to an isosurface. kFailed if `found`, VTK's vertex, is not between the voxels of `edge`.
+template <typename T>
+Result<void> move_vertex(const LevelField<T>& field, const VoxelNormals& lps_normals, const VoxelEdge& edge,
+                         const Vec3f& found, Vec3f& position, Vec3f& normal) {
+  constexpr double kRounding = 1e-2;  // VTK's positions are single precision
+  const double t = static_cast<double>(found[edge.axis]) - static_cast<double>(edge.low[edge.axis]);
+  bool is_on_edge = t >= -kRounding && t <= 1 + kRounding;
+  for (std::size_t a = 0; a < 3; ++a) {
+    is_on_edge = is_on_edge && (a == edge.axis || found[a] == static_cast<float>(edge.low[a]));
   }
-
- private:
-  /// VTK's positions are single precision.
-  static constexpr double kRounding = 1e-2;
-
-  /// Keeps a normal whose sign the gradient contradicts.
-  void turn(const Vec3f& position, Vec3f& normal) const {
-    const Vec3 up = smooth_gradient(field_, {position[0], position[1], position[2]});
-    const double length = std::max({std::abs(up[0]), std::abs(up[1]), std::abs(up[2])});
-    if (!(length > 0) || !std::isfinite(length)) return;
-    Vec3f down;
-    for (std::size_t a = 0; a < 3; ++a) down[a] = static_cast<float>(-up[a] / length);
-    const Vec3f turned = lps_normals_.to_lps(down);
-    if (turned[0] * normal[0] + turned[1] * normal[1] + turned[2] * normal[2] > 0) normal = turned;
+  if (!is_on_edge) {
+    return fail(ErrorCode::kFailed, "VTK's isosurface has a vertex at ({}, {}, {}), off its voxel edge",
+                found[0], found[1], found[2]);
   }
-
-  const LevelField<T>& field_;
-  VoxelNormals lps_normals_;
-};
+  const std::optional<double> low = field.at(edge.low), high = field.at(edge.high);
+  if (!low || !high || (*low >= 0) == (*high >= 0)) return {};
+  constexpr double kScale = kIsosurfaceScale;
+  const double rounded = std::clamp(std::round(t * kScale), 1.0, kScale - 1) / kScale;
+  position[edge.axis] = static_cast<float>(static_cast<double>(edge.low[edge.axis]) + rounded);
+  turn(field, lps_normals, position, normal);
+  return {};
+}
 
 }  // namespace
 
@@ -334,7 +311,7 @@ Result<bool> adopt_triangles(const EdgeTriangles& vtk, const StructureCrop& crop
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::uint32_t> vertex_of, match_vertices(vtk, crop, mesh));
   if (as_set(renumbered(vtk, vertex_of, grid)) == as_set(mesh.triangles)) return true;
   mesh.triangles = renumbered(vtk, vertex_of, grid);
-  CellOrder(crop, mesh).sort(mesh.triangles);
+  std::ranges::stable_sort(mesh.triangles, {}, [&](const Triangle& t) { return place_of(t, crop, mesh); });
   return false;
 }
 
@@ -349,10 +326,11 @@ Result<void> move_to_isosurface(const VoxelBuffer& values, double level, const S
       return fail(ErrorCode::kFailed, "VTK's isosurface has {} triangles, that of its voxels {} others",
                   zeros.triangles.size(), vtk.triangles.size());
     }
-    const VertexMover<T> mover(field, grid);
+    const VoxelNormals lps_normals(grid);
     for (std::size_t v = 0; v < vertex_of.size(); ++v) {
-      SPLATLAS_RETURN_IF_ERROR(mover.move(VoxelEdge(vtk.positions_ijk[v]), zeros.positions_ijk[v],
-                                          mesh.positions_ijk[vertex_of[v]], mesh.normals_lps[vertex_of[v]]));
+      SPLATLAS_RETURN_IF_ERROR(move_vertex(field, lps_normals, VoxelEdge(vtk.positions_ijk[v]),
+                                           zeros.positions_ijk[v], mesh.positions_ijk[vertex_of[v]],
+                                           mesh.normals_lps[vertex_of[v]]));
     }
     mesh.position_scale = kIsosurfaceScale;
     round_normals(mesh.normals_lps);
