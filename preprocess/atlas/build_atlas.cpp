@@ -174,12 +174,11 @@ void measure_sphere(const RunModel& runs, const Grid& grid, Display& display) {
 }
 
 /// Builds the structure graph, runs segmentations, classifies the voxels and extracts surfaces. Fills only
-/// the hashes of the provenance. Messages about the labels call them `labels`. The content does not depend on
-/// `threads` (0: one per core).
-Result<AtlasContent> build_content(SourceModel model, const std::string& labels,
-                                   const std::vector<SceneFile>& scenes,
-                                   const std::vector<FragmentRule>& fragments, SurfaceRule rule,
-                                   unsigned threads, StageClock& clock, Notes& notes) {
+/// the hashes of the provenance.
+Result<AtlasContent> build_content(SourceModel model, const BuildOptions& options,
+                                   const std::vector<SceneFile>& scenes, StageClock& clock, Notes& notes) {
+  const std::string labels = options.sources.labels.string();
+  const auto update = [&](double fraction) { clock.update(fraction); };
   AtlasContent content;
   content.source_grid = model.source_grid;
   content.source_to_storage = storage_order(model.source_grid);
@@ -190,21 +189,20 @@ Result<AtlasContent> build_content(SourceModel model, const std::string& labels,
   SPLATLAS_ASSIGN_OR_RETURN(content.scenes, scenes_of(scenes, placed.graph));
 
   if (!model.segments.empty()) clock.begin("segment", 0.2);
-  SPLATLAS_RETURN_IF_ERROR(segment_structures(
-      model, placed, grid, fragments, [&](double fraction) { clock.update(fraction); }, notes));
+  SPLATLAS_RETURN_IF_ERROR(segment_structures(model, placed, grid, options.fragments, update, notes));
   clock.begin("classify", 0.05);
   model.memberships.renumber(placed.index_of_source);
-  Result<ClassifiedVoxels> classified =
-      classify_voxels(std::move(model.memberships), crossed_voxels(model, placed), placed.graph, threads);
+  Result<ClassifiedVoxels> classified = classify_voxels(
+      std::move(model.memberships), crossed_voxels(model, placed), placed.graph, options.threads);
   if (!classified) return fail(classified.error().code, "{}: {}", labels, classified.error().message);
   ClassifiedVoxels& classification = *classified;
 
   clock.begin("surfaces", 0.25);
   SPLATLAS_ASSIGN_OR_RETURN(ExtractedSurfaces extracted,
                             extract_surfaces(classification, placed.graph, grid,
-                                             {rule, threads, [&](double fraction) { clock.update(fraction); },
+                                             {options.surfaces, options.threads, update,
                                               isosurfaces_of(model, placed), &model.values, false}));
-  note_surfaces(rule, grid, extracted, notes);
+  note_surfaces(options.surfaces, grid, extracted, notes);
   for (std::size_t n = 0; n < model.meshes.size(); ++n) {
     extracted.surfaces[placed.index_of_source[first_mesh(model) + n]] = std::move(model.meshes[n].surface);
   }
@@ -265,10 +263,8 @@ Result<BuildReport> build_atlas(
 
   clock.begin("read", 0.1);
   SPLATLAS_ASSIGN_OR_RETURN(SourceModel model, import_sources(options.sources, notes, update));
-  SPLATLAS_ASSIGN_OR_RETURN(
-      AtlasContent content,
-      build_content(std::move(model), options.sources.labels.string(), scenes, options.fragments,
-                    options.surfaces, options.threads, clock, notes));
+  SPLATLAS_ASSIGN_OR_RETURN(AtlasContent content,
+                            build_content(std::move(model), options, scenes, clock, notes));
   if (options.strict) SPLATLAS_RETURN_IF_ERROR(check_no_warning(notes));
   content.provenance.title = options.title;
   content.provenance.citation = options.citation;
