@@ -163,7 +163,7 @@ class SourceImporter {
       if (!x_mm || !(std::abs(*x_mm) <= kMaxMm))
         return fail(ErrorCode::kUsage, "--sides {}: must be x=MM or an image of 1 (left) and 2 (right)",
                     in_quotes(text));
-      split_sides(model_, sides_of_plane(storage_grid(), *x_mm), text, notes_);
+      split_sides(model_, sides_of_plane(model_.storage_grid(), *x_mm), text, notes_);
       return {};
     }
     SPLATLAS_ASSIGN_OR_RETURN(const VoxelBuffer image, import_on_grid(files_.sides, "sides", text));
@@ -237,15 +237,12 @@ class SourceImporter {
         return fail(ErrorCode::kUsage, "--segment \"{}\": {} needs a --volume", rule.name,
                     rule.kind == SegmentRule::Kind::kIsosurface ? "an isosurface" : "a threshold");
       }
-      SourceStructure structure;
-      structure.name = rule.name;
-      structure.color = rule.color;
-      model_.structures.push_back(std::move(structure));
+      model_.structures.push_back({.name = rule.name, .color = rule.color});
       model_.segments.push_back(std::move(segment));
     }
     // Without labels, start with empty memberships on the grid of the volume or the first mask.
     if (files_.labels.empty() && model_.source_grid.voxels() > 0)
-      model_.memberships = MembershipVolume(storage_grid().size);
+      model_.memberships = MembershipVolume(model_.storage_grid().size);
     return {};
   }
 
@@ -289,7 +286,7 @@ class SourceImporter {
   }
 
   Result<void> add_mesh(const MeshSource& source, const TriangleMesh& mesh, SourceStructure structure) {
-    Result<ClippedMesh> clipped = clip_mesh(mesh, storage_grid());
+    Result<ClippedMesh> clipped = clip_mesh(mesh, model_.storage_grid());
     if (!clipped) return fail(clipped.error().code, "{}: {}", source.file.string(), clipped.error().message);
     if (clipped->crossed.empty()) {
       const MmBox from = box_of(mesh), to = *labelled_box(model_);
@@ -309,10 +306,6 @@ class SourceImporter {
     model_.structures.push_back(std::move(structure));
     model_.meshes.push_back(std::move(*clipped));
     return remember("mesh", source.file);
-  }
-
-  [[nodiscard]] Grid storage_grid() const {
-    return reordered(model_.source_grid, storage_order(model_.source_grid));
   }
 
   const SourceFiles& files_;

@@ -58,6 +58,7 @@ struct SourceFiles {
 /// or masks first, then segments, then meshes.
 struct SourceModel {
   Grid source_grid;
+  [[nodiscard]] Grid storage_grid() const { return reordered(source_grid, storage_order(source_grid)); }
   VoxelBuffer values;  ///< empty() without a volume
   VoxelType label_type = VoxelType::kNone;
   MembershipVolume memberships{Index3{0, 0, 0}};  ///< of labels or masks; build_content() adds segments

@@ -71,10 +71,6 @@ double longest_side(const MmBox& box) {
   return std::ranges::max(difference(box.high, box.low));
 }
 
-Grid storage_grid_of(const SourceModel& model) {
-  return reordered(model.source_grid, storage_order(model.source_grid));
-}
-
 IndexBox box_of_labels(const MembershipVolume& memberships, const Grid& grid) {
   IndexBox box;
   const auto voxels = memberships.voxels();
@@ -110,7 +106,7 @@ MmBox box_of(const TriangleMesh& mesh) {
 
 std::optional<MmBox> labelled_box(const SourceModel& model) {
   if (model.source_grid.voxels() == 0) return std::nullopt;
-  const Grid grid = storage_grid_of(model);
+  const Grid grid = model.storage_grid();
   IndexBox box = box_of_labels(model.memberships, grid);
   if (box.empty()) box = {{0, 0, 0}, {grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1}};
   const Affine to_mm = index_to_lps_mm(grid);
@@ -148,10 +144,10 @@ void note_size(const SourceModel& model, const MeshSource& source, const Triangl
 Result<void> fit_grid(SourceModel& model, std::span<const TriangleMesh> meshes, bool widens, Notes& notes) {
   if (model.source_grid.voxels() == 0) {
     model.source_grid = grid_around(meshes);
-    model.memberships = MembershipVolume(storage_grid_of(model).size);
+    model.memberships = MembershipVolume(model.storage_grid().size);
     return {};
   }
-  const Grid grid = storage_grid_of(model);
+  const Grid grid = model.storage_grid();
   const Margin margin = widens ? margin_for(grid, meshes) : Margin{};
   if (margin.empty()) return {};
   const Grid wide = widened(grid, margin);
@@ -235,10 +231,8 @@ void split_sides(SourceModel& model, std::span<const std::uint8_t> sides, const 
     notes.add("split-structures", fmt::format("{} ({} and {} voxels)", whole.name, left, right));
     for (const std::size_t side : {1, 2}) {
       numbers[s][side] = static_cast<StructureIndex>(model.structures.size());
-      SourceStructure& part = model.structures.emplace_back();
-      part.name = whole.name + (side == 1 ? " left" : " right");
-      part.color = whole.color;
-      part.whole = s;
+      model.structures.push_back(
+          {.name = whole.name + (side == 1 ? " left" : " right"), .color = whole.color, .whole = s});
     }
   }
   if (numbers.size() == model.structures.size()) return notes.add("sides-unused", where);

@@ -230,11 +230,8 @@ Result<ImportedLabels> read_label_map(SourceImage image, const std::string& name
     const auto rank = std::lower_bound(sorted.begin(), sorted.end(), label) - sorted.begin();
     sets.push_back({static_cast<StructureIndex>(rank)});
   }
-  for (const std::uint32_t label : sorted) {
-    SourceStructure& structure = result.structures.emplace_back();
-    structure.name = default_name(label);
-    structure.label = label;
-  }
+  for (const std::uint32_t label : sorted)
+    result.structures.push_back({.name = default_name(label), .label = label});
   name_by_segments(image.segments, result);
   if (sorted.empty()) result.notes.add("no-labels", name);
   result.memberships = MembershipVolume(size, std::move(sets), std::move(found->voxels));

@@ -25,12 +25,12 @@ namespace splatlas {
 /// A structure before its placement in the graph. Its index in the list of these is its source number.
 struct SourceStructure {
   std::string name;
-  std::optional<std::int64_t> label;
-  std::optional<std::int64_t> code;  ///< of the region, such as AAL's third column
-  std::optional<Rgb> color;
+  std::optional<std::int64_t> label = {};
+  std::optional<std::int64_t> code = {};  ///< of the region, such as AAL's third column
+  std::optional<Rgb> color = {};
   bool external = false;
-  std::vector<Term> terms;                   ///< in the order of the source
-  std::string group;                         ///< of its label map: a root that it is below; empty for none
+  std::vector<Term> terms = {};              ///< in the order of the source
+  std::string group = {};                    ///< of its label map: a root that it is below; empty for none
   std::optional<StructureIndex> whole = {};  ///< source number of the structure that it is a side of
 };
 
