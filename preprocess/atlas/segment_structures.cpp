@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
@@ -66,10 +67,9 @@ class FragmentFilter {
   void apply(MembershipVolume& memberships, std::size_t first, std::size_t last) {
     std::vector<std::uint64_t> reported(last), dropped(last);
     for (std::size_t s = first; s < last; ++s) (has_rule_[s] ? dropped : reported)[s] = below_[s];
-    append(kept_, find_fragments(memberships, reported));
-    if (std::ranges::any_of(dropped, [](std::uint64_t below) { return below > 1; })) {
-      append(dropped_, drop_fragments(memberships, dropped));
-    }
+    std::ranges::move(find_fragments(memberships, reported), std::back_inserter(kept_));
+    if (std::ranges::any_of(dropped, [](std::uint64_t below) { return below > 1; }))
+      std::ranges::move(drop_fragments(memberships, dropped), std::back_inserter(dropped_));
   }
 
   void note(const SourceModel& model, Notes& notes) const {
@@ -83,10 +83,6 @@ class FragmentFilter {
   }
 
  private:
-  static void append(std::vector<StructureFragments>& to, const std::vector<StructureFragments>& from) {
-    to.insert(to.end(), from.begin(), from.end());
-  }
-
   std::vector<std::uint64_t> below_;  // [structure]
   std::vector<bool> has_rule_;
   std::vector<StructureFragments> kept_, dropped_;

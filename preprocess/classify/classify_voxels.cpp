@@ -48,17 +48,12 @@ class CombinationTable {
 /// One of the nine rows that contain the 18 neighbours of a voxel.
 struct NeighbourRow {
   int dj, dk;
-  bool diagonal;  ///< dj and dk are not 0: only the voxel at the same i is a neighbour
+
+  /// Only the voxel at the same i is a neighbour.
+  [[nodiscard]] bool is_diagonal() const { return dj != 0 && dk != 0; }
 };
-constexpr std::array<NeighbourRow, 9> kNeighbourRows{{{0, 0, false},
-                                                      {-1, 0, false},
-                                                      {1, 0, false},
-                                                      {0, -1, false},
-                                                      {0, 1, false},
-                                                      {-1, -1, true},
-                                                      {1, -1, true},
-                                                      {-1, 1, true},
-                                                      {1, 1, true}}};
+constexpr std::array<NeighbourRow, 9> kNeighbourRows{
+    {{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}}};
 
 /// Consecutive slices, the unit of parallel work.
 struct Band {
@@ -122,7 +117,7 @@ class BandClassifier {
       }
       SetId* const differs = differs_.data();
       for (std::size_t i = 0; i < n; ++i) differs[i] |= own[i] ^ other[i];
-      if (neighbour.diagonal) continue;
+      if (neighbour.is_diagonal()) continue;
       for (std::size_t i = 1; i < n; ++i) differs[i] |= own[i] ^ other[i - 1];
       for (std::size_t i = 0; i + 1 < n; ++i) differs[i] |= own[i] ^ other[i + 1];
     }
@@ -133,7 +128,8 @@ class BandClassifier {
     std::uint64_t boundary = 0;
     for (const NeighbourRow& neighbour : kNeighbourRows) {
       const SetId* const others = row(j + neighbour.dj, neighbour.dk);
-      for (std::int64_t di = neighbour.diagonal ? 0 : -1; di <= (neighbour.diagonal ? 0 : 1); ++di) {
+      const std::int64_t reach = neighbour.is_diagonal() ? 0 : 1;
+      for (std::int64_t di = -reach; di <= reach; ++di) {
         const bool beyond = others == nullptr || i + di < 0 || i + di >= size_[0];
         const SetId other = beyond ? 0 : others[i + di];
         if (other != set) boundary |= missing(set, other);

@@ -125,9 +125,8 @@ Result<std::string> export_volume(const AtlasContent& content, const Atlas& atla
                                   UnnamedFiles& unnamed) {
   check_volumes(atlas.grid(), 4, bytes_of(atlas.value_type()));
   SPLATLAS_ASSIGN_OR_RETURN(const VoxelBuffer values, atlas.read_value_volume(content.class_volume));
-  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file,
+  SPLATLAS_ASSIGN_OR_RETURN(unnamed.emplace_back(),
                             write_image({content.source_grid, to_source_order(values, content)}, path));
-  unnamed.push_back(std::move(file));
   return fmt::format("{}: volume, {}", path.string(), name_of(values.type));
 }
 
@@ -143,8 +142,7 @@ Result<std::string> export_surface(const Atlas& atlas, const std::vector<Structu
     SPLATLAS_ASSIGN_OR_RETURN(surfaces.emplace_back(), atlas.read_surface(s));
     triangles += surfaces.back().triangles.size();
   }
-  SPLATLAS_ASSIGN_OR_RETURN(OutputFile file, write_mesh(surfaces, atlas.grid(), path));
-  unnamed.push_back(std::move(file));
+  SPLATLAS_ASSIGN_OR_RETURN(unnamed.emplace_back(), write_mesh(surfaces, atlas.grid(), path));
   return fmt::format("{}: {} triangles", path.string(), triangles);
 }
 

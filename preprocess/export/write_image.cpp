@@ -120,15 +120,6 @@ bool make_orthonormal(mat44& axes) {
   return true;
 }
 
-/// The map from voxel indices.
-mat44 scaled_axes(const mat44& axes, const Grid& grid) {
-  mat44 scaled = axes;
-  for (std::size_t row = 0; row < 3; ++row) {
-    for (std::size_t a = 0; a < 3; ++a) scaled.m[row][a] *= static_cast<float>(grid.spacing_mm[a]);
-  }
-  return scaled;
-}
-
 /// Replaces a number that is too small for is_plausible() by 0.
 void make_plausible(float& number) {
   if (std::abs(number) < 1e-36f) number = std::copysign(0.f, number);
@@ -156,14 +147,15 @@ nifti_1_header make_header(const Grid& grid, VoxelType type) {
   h.qform_code = make_orthonormal(axes) ? NIFTI_XFORM_SCANNER_ANAT : NIFTI_XFORM_UNKNOWN;
   nifti_mat44_to_quatern(axes, &h.quatern_b, &h.quatern_c, &h.quatern_d, &h.qoffset_x, &h.qoffset_y,
                          &h.qoffset_z, nullptr, nullptr, nullptr, &h.pixdim[0]);
-  const mat44 sform = scaled_axes(axes, grid);
-  std::copy_n(sform.m[0], 4, h.srow_x);
-  std::copy_n(sform.m[1], 4, h.srow_y);
-  std::copy_n(sform.m[2], 4, h.srow_z);
+  const std::array<float*, 3> sform{h.srow_x, h.srow_y, h.srow_z};
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t a = 0; a < 3; ++a) axes.m[row][a] *= static_cast<float>(grid.spacing_mm[a]);
+    std::copy_n(axes.m[row], 4, sform[row]);
+    std::for_each_n(sform[row], 4, make_plausible);
+  }
   for (float* const number :
        {&h.quatern_b, &h.quatern_c, &h.quatern_d, &h.qoffset_x, &h.qoffset_y, &h.qoffset_z})
     make_plausible(*number);
-  for (float* const row : {h.srow_x, h.srow_y, h.srow_z}) std::for_each_n(row, 4, make_plausible);
   return h;
 }
 

@@ -14,8 +14,6 @@
 namespace splatlas {
 namespace {
 
-using Vector = std::array<double, 3>;
-
 /// Numbers from 1 of a vertex and its normal; 0: none.
 using Corner = std::array<std::size_t, 2>;
 
@@ -26,8 +24,8 @@ std::size_t number_among(std::string_view text, std::size_t count) {
   return static_cast<std::size_t>(number < 0 ? last + 1 + number : number);
 }
 
-std::optional<Vector> parse_vector(const std::vector<std::string_view>& words) {
-  Vector vector{};
+std::optional<Vec3> parse_vector(const std::vector<std::string_view>& words) {
+  Vec3 vector{};
   for (std::size_t n = 0; n < 3; ++n) {
     const auto number = n + 1 < words.size() ? parse_number(words[n + 1]) : std::nullopt;
     if (!number) return std::nullopt;
@@ -37,7 +35,7 @@ std::optional<Vector> parse_vector(const std::vector<std::string_view>& words) {
 }
 
 struct ObjFile {
-  std::vector<Vector> vertices, normals;
+  std::vector<Vec3> vertices, normals;
   std::vector<std::vector<Corner>> faces;
   bool has_normals = true;  ///< at all corners
 

@@ -280,11 +280,10 @@ class HierarchyMaker {
       const std::string path = path_key(parts.first(n));
       const auto [found, is_new] = key_of_path_.emplace(path, path);
       if (is_new) {
-        TreeLine group;
+        TreeLine& group = lines_.emplace_back();
         group.number = line;
         group.node = TreeNode{path, parts[n - 1], std::nullopt, {}};
         if (!parent.empty()) group.node->parents.push_back(parent);
-        lines_.push_back(std::move(group));
       }
       parent = found->second;
     }

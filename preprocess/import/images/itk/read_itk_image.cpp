@@ -43,20 +43,18 @@ Result<std::vector<std::byte>> read_pixels(itk::ImageIOBase& io, const PixelData
     file.seekg(static_cast<std::streamoff>(pixels.start));
     if (!file.read(reinterpret_cast<char*>(result.data()), static_cast<std::streamsize>(bytes)))
       return bad_file(pixels.file, "cannot be read whole");
-    if (pixels.is_big_endian) swap_bytes(result, bytes_each);
-    return result;
-  }
-  if (pixels.compression == Compression::kNone) {
+  } else if (pixels.compression == Compression::kNone) {
     result.resize(bytes);
     itk::ImageIORegion region(io.GetNumberOfDimensions());
     for (unsigned a = 0; a < io.GetNumberOfDimensions(); ++a) region.SetSize(a, io.GetDimensions(a));
     io.SetIORegion(region);
     io.Read(result.data());
     return result;
+  } else {
+    const auto read = pixels.compression == Compression::kDeflate ? read_deflated : read_bzip2;
+    SPLATLAS_RETURN_IF_ERROR(read(pixels.file, pixels.start, pixels.skipped_bytes + bytes, result));
+    result.erase(result.begin(), result.begin() + static_cast<std::ptrdiff_t>(pixels.skipped_bytes));
   }
-  const auto read = pixels.compression == Compression::kDeflate ? read_deflated : read_bzip2;
-  SPLATLAS_RETURN_IF_ERROR(read(pixels.file, pixels.start, pixels.skipped_bytes + bytes, result));
-  result.erase(result.begin(), result.begin() + static_cast<std::ptrdiff_t>(pixels.skipped_bytes));
   if (pixels.is_big_endian) swap_bytes(result, bytes_each);
   return result;
 }
