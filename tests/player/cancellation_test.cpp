@@ -9,12 +9,15 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/fails_with.h"
 #include "tests/support/render.h"
 #include "tests/support/repetitions.h"
 #include "tests/support/standard_scenes.h"
 
 namespace splatlas {
 namespace {
+
+const auto kIsCancelled = FailsWith(ErrorCode::kCancelled, testing::_);
 
 struct FrameCase {
   const char* name;
@@ -141,12 +144,8 @@ TEST_P(Cancellation, ReadsNothingAfterAStop) {
   std::stop_source stop;
   stop.request_stop();
   const RenderControl control{.stop = stop.get_token(), .progress = {}};
-  const auto frame = renderer.render(GetParam().camera, GetParam().options, control);
-  ASSERT_FALSE(frame);
-  EXPECT_EQ(frame.error().code, ErrorCode::kCancelled);
-  const auto camera = renderer.fit(GetParam().camera, GetParam().options, {}, {}, control);
-  ASSERT_FALSE(camera);
-  EXPECT_EQ(camera.error().code, ErrorCode::kCancelled);
+  EXPECT_THAT(renderer.render(GetParam().camera, GetParam().options, control), kIsCancelled);
+  EXPECT_THAT(renderer.fit(GetParam().camera, GetParam().options, {}, {}, control), kIsCancelled);
   EXPECT_EQ(atlas->counters().read, read);
 }
 
@@ -166,8 +165,7 @@ TEST_P(Cancellation, FromAnotherThreadReturns) {
                                           started.release();
                                           stopped.acquire();
                                         }});
-  ASSERT_FALSE(picture);
-  EXPECT_EQ(picture.error().code, ErrorCode::kCancelled);
+  EXPECT_THAT(picture, kIsCancelled);
 }
 
 TEST_P(Cancellation, ProgressRisesToOne) {

@@ -193,10 +193,9 @@ TEST(Renderer, RefusesIdsAndDepthsBeyondItsMemory) {
   EXPECT_TRUE(plain.stats.strips);
   for (bool RenderOptions::*const asked : {&RenderOptions::ids, &RenderOptions::depths}) {
     options.*asked = true;
-    const auto refused = renderer.render({}, options);
-    ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
-    EXPECT_THAT(refused.error().message, testing::EndsWith("without ids, depth map, outlines and depth cue"));
+    EXPECT_THAT(
+        renderer.render({}, options),
+        FailsWith(ErrorCode::kLimit, testing::EndsWith("without ids, depth map, outlines and depth cue")));
     options.*asked = false;
     options.depth_cue = DepthCue::kEdges;
     EXPECT_NE(frame_or_throw(renderer, {}, options).picture.rgba, plain.picture.rgba);
@@ -215,10 +214,7 @@ TEST(Renderer, RefusesPicturesThatNeedTooMuchMemoryBeforeItReads) {
   Renderer too_small(atlas, {1, enough - 1});
   ASSERT_TRUE(too_small.select(selection));
   const std::uint64_t read = atlas->counters().read;
-  const auto refused = too_small.render({}, options);
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
-  EXPECT_NE(refused.error().message.find("64x48"), std::string::npos) << refused.error().message;
+  EXPECT_THAT(too_small.render({}, options), FailsWith(ErrorCode::kLimit, HasSubstr("64x48")));
   EXPECT_EQ(atlas->counters().read, read);
   EXPECT_EQ(atlas->counters().decoded, 0u);
 

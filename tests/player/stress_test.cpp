@@ -6,6 +6,7 @@
 
 #include "player/render/frame/frame_renderer.h"
 #include "tests/reference/picture_difference.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/render.h"
 #include "tests/support/standard_scenes.h"
 #include "tests/support/uniform_box.h"
@@ -90,9 +91,8 @@ TEST(Stress, BadCamerasAndSizesAreRefusedAndNothingIsRead) {
       const auto refused = [&](Camera camera, const PictureSize& size) {
         camera.projection = projection;
         Frame frame;
-        const auto result = renderer.render(camera, {.size = size, .classification = classification}, frame);
-        ASSERT_FALSE(result);
-        EXPECT_EQ(result.error().code, ErrorCode::kUsage) << result.error().message;
+        EXPECT_THAT(renderer.render(camera, {.size = size, .classification = classification}, frame),
+                    FailsWith(ErrorCode::kUsage, testing::_));
         EXPECT_EQ(frame.picture.rgba.capacity(), 0u);
       };
       for (const double bad : {kNan, kInfinity, -kInfinity}) {

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <png.h>
 
+#include "tests/support/fails_with.h"
 #include "tests/support/temporary_folder.h"
 
 namespace splatlas {
@@ -67,27 +68,21 @@ TEST(WritePng, TheFileIsWhatIsEncoded) {
 TEST(WritePng, SizesBeyondItsNumbersAreTold) {
   EXPECT_TRUE(check_png_size({32768, 32768}, false));
   EXPECT_TRUE(check_png_size({32768, 32767}, true));
-  const auto refused = check_png_size({32768, 32768}, true);
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::kUsage);
-  EXPECT_THAT(refused.error().message, testing::HasSubstr("32768x32768"));
+  EXPECT_THAT(check_png_size({32768, 32768}, true), FailsWith(ErrorCode::kUsage, HasSubstr("32768x32768")));
 }
 
 TEST(WritePng, NamesTheFileThatCannotBeWritten) {
   const TemporaryFolder folder;
-  const auto written = write_png(ramps(), folder.path() / "none" / "ramps.png");
-  ASSERT_FALSE(written);
-  EXPECT_EQ(written.error().code, ErrorCode::kFailed);
-  EXPECT_THAT(written.error().message, testing::HasSubstr("none/ramps.png"));
-  EXPECT_THAT(folder.names(), testing::IsEmpty());
+  EXPECT_THAT(write_png(ramps(), folder.path() / "none" / "ramps.png"),
+              FailsWith(ErrorCode::kFailed, HasSubstr("none/ramps.png")));
+  EXPECT_THAT(folder.names(), IsEmpty());
 }
 
 TEST(WritePng, NamesThePictureThatCannotBeEncoded) {
   const TemporaryFolder folder;
-  const auto written = write_png(Picture{}, folder.path() / "empty.png");
-  ASSERT_FALSE(written);
-  EXPECT_THAT(written.error().message, testing::HasSubstr("empty.png: cannot be encoded: "));
-  EXPECT_THAT(folder.names(), testing::IsEmpty());
+  EXPECT_THAT(write_png(Picture{}, folder.path() / "empty.png"),
+              FailsWith(ErrorCode::kFailed, HasSubstr("empty.png: cannot be encoded: ")));
+  EXPECT_THAT(folder.names(), IsEmpty());
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "tests/support/fails_with.h"
+
 namespace splatlas {
 namespace {
 
@@ -21,10 +23,7 @@ TEST(Color, ParsesLongAndShortForms) {
 TEST(Color, RefusesEverythingElse) {
   for (const char* text : {"", "#", "ff8800", "#ff880", "#ff88000", "#ff88gg", "#ggg", "#-10000", "red",
                            "##fffff", "#ff 800", "#ffff", " #ff8800", "ff80", "#0g0000", "#f0000g"}) {
-    const auto color = parse_color(text);
-    ASSERT_FALSE(color) << text;
-    EXPECT_EQ(color.error().code, ErrorCode::kUsage);
-    EXPECT_NE(color.error().message.find("#rrggbb"), std::string::npos);
+    EXPECT_THAT(parse_color(text), FailsWith(ErrorCode::kUsage, HasSubstr("#rrggbb"))) << text;
   }
 }
 

@@ -124,10 +124,8 @@ TEST(Selection, EverythingOfNothingIsNothing) {
     EXPECT_TRUE(selection->structures.empty());
   }
   for (const char* text : {"A", "A*", "**", "*/*"}) {
-    const auto selection = Selection::parse(text, none);
-    ASSERT_FALSE(selection) << text;
-    EXPECT_EQ(selection.error().code, ErrorCode::kNotFound);
-    EXPECT_THAT(selection.error().message, HasSubstr("there are none"));
+    EXPECT_THAT(Selection::parse(text, none), FailsWith(ErrorCode::kNotFound, HasSubstr("there are none")))
+        << text;
   }
 }
 
@@ -139,14 +137,10 @@ TEST(Selection, WildcardsSelectDescendantsToo) {
 }
 
 TEST(Selection, UnknownNamesTellTheirColumn) {
-  const auto selection = Selection::parse("A + \"Brian\"", brain());
-  ASSERT_FALSE(selection);
-  EXPECT_EQ(selection.error().code, ErrorCode::kNotFound);
-  EXPECT_THAT(selection.error().message, HasSubstr("column 5: no structure is called \"Brian\""));
-  EXPECT_THAT(selection.error().message, HasSubstr("\"Brain\""));
-  const auto syntax = Selection::parse("A +", brain());
-  ASSERT_FALSE(syntax);
-  EXPECT_EQ(syntax.error().code, ErrorCode::kUsage);
+  EXPECT_THAT(Selection::parse("A + \"Brian\"", brain()),
+              FailsWith(ErrorCode::kNotFound, AllOf(HasSubstr("column 5: no structure is called \"Brian\""),
+                                                    HasSubstr("\"Brain\""))));
+  EXPECT_THAT(Selection::parse("A +", brain()), FailsWith(ErrorCode::kUsage, testing::_));
 }
 
 TEST(Selection, StylesAreEqualWhenTheirCurvesAre) {

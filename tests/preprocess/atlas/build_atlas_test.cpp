@@ -260,10 +260,7 @@ TEST_F(BuildAtlas, EveryStructureHasANameOfItsOwn) {
   }
   for (const std::string& name : {std::string("a\nb"), std::string(201, 'x')}) {
     build_options.sources.meshes = {{name, "missing.stl"}};
-    const Result<BuildReport> refused = build_atlas(build_options);
-    ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().code, ErrorCode::kUsage);
-    EXPECT_THAT(refused.error().message, testing::Not(HasSubstr("\n")));
+    EXPECT_THAT(build_atlas(build_options), FailsWith(ErrorCode::kUsage, Not(HasSubstr("\n"))));
   }
 }
 

@@ -7,6 +7,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "tests/preprocess/random_images.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/neighbours.h"
 
 namespace splatlas {
@@ -70,9 +71,8 @@ TEST(ClassifyVoxels, OneOverlappedByAnotherKeepsItsOwnBoundary) {
 
 TEST(ClassifyVoxels, MoreThan64StructuresInOneVoxelAreRefused) {
   const Masks masks(65, std::vector<std::uint8_t>{1});
-  const auto result = classify_voxels(memberships_of(masks, {1, 1, 1}), {}, flat_graph(65));
-  ASSERT_FALSE(result);
-  EXPECT_EQ(result.error().code, ErrorCode::kLimit);
+  EXPECT_THAT(classify_voxels(memberships_of(masks, {1, 1, 1}), {}, flat_graph(65)),
+              FailsWith(ErrorCode::kLimit, testing::_));
 }
 
 RC_GTEST_PROP(ClassifyVoxels, EveryVoxelHasTheClassOfTheDefinition, ()) {

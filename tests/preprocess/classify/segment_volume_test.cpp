@@ -184,10 +184,7 @@ TEST(ParseSegment, ReadsRules) {
                             "A=iso:1:close=2",
                             "A=threshold:1:close=-1",
                             "A=threshold:1:close=x"}) {
-    const auto rule = parse_segment(wrong);
-    ASSERT_FALSE(rule) << wrong;
-    EXPECT_EQ(rule.error().code, ErrorCode::kUsage);
-    EXPECT_THAT(rule.error().message, HasSubstr("NAME=mask:FILE"));
+    EXPECT_THAT(parse_segment(wrong), FailsWith(ErrorCode::kUsage, HasSubstr("NAME=mask:FILE"))) << wrong;
   }
 }
 

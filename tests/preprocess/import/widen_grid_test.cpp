@@ -132,9 +132,9 @@ TEST_F(WidenGrid, ALittleSurfaceWithinTheGridWidensNothing) {
   EXPECT_EQ(model.source_grid.size, (Index3{8, 6, 5}));
   write_bytes(folder_.file("a.obj"), cuboid({0, 0, 0}, {800, 5, 4}, place));
   Notes notes;
-  const auto refused = import_sources(files, notes);
-  ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().message, HasSubstr("--fit-grid: the surfaces would widen the grid from 8x6x5"));
+  EXPECT_THAT(
+      import_sources(files, notes),
+      FailsWith(ErrorCode::kLimit, HasSubstr("--fit-grid: the surfaces would widen the grid from 8x6x5")));
   files.fit_grid = false;
   write_bytes(folder_.file("far.obj"),
               cuboid({900, -20, 30}, {901.5, 0, 31}, [](const Vec3& mm) { return mm; }));

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/fails_with.h"
+
 namespace splatlas {
 namespace {
 
@@ -53,11 +55,8 @@ TEST(SparseBytes, TakesAddressSpaceOnly) {
 }
 
 TEST(SparseBytes, SaysWhenThereIsNoAddressSpace) {
-  for (const std::uint64_t bytes : {std::uint64_t{1} << 62, ~std::uint64_t{0}}) {
-    const auto sparse = SparseBytes::reserve(bytes);
-    ASSERT_FALSE(sparse);
-    EXPECT_EQ(sparse.error().code, ErrorCode::kLimit);
-  }
+  for (const std::uint64_t bytes : {std::uint64_t{1} << 62, ~std::uint64_t{0}})
+    EXPECT_THAT(SparseBytes::reserve(bytes), FailsWith(ErrorCode::kLimit, testing::_));
 }
 
 }  // namespace

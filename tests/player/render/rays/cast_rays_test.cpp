@@ -9,6 +9,7 @@
 #include "tests/reference/grey_truth.h"
 #include "tests/reference/optical_field.h"
 #include "tests/reference/picture_difference.h"
+#include "tests/support/fails_with.h"
 #include "tests/support/render.h"
 #include "tests/support/standard_scenes.h"
 
@@ -263,9 +264,7 @@ TEST(CastRays, MemoryIsBounded) {
     return renderer.render(perspective(), accurate());
   };
   EXPECT_TRUE(picture_of(std::uint64_t{1} << 18));
-  const auto refused = picture_of(std::uint64_t{1} << 16);
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
+  EXPECT_THAT(picture_of(std::uint64_t{1} << 16), FailsWith(ErrorCode::kLimit, testing::_));
 }
 
 }  // namespace

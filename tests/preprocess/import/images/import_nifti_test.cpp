@@ -4,6 +4,7 @@
 #include <random>
 
 #include "tests/preprocess/import/images/import_image_fixture.h"
+#include "tests/support/fails_with.h"
 
 namespace splatlas {
 namespace {
@@ -109,10 +110,8 @@ TEST_F(ImportImage, RefusesMoreVoxelsThanTheMemoryHolds) {
   const std::string path = folder_.file("a.nii.gz");
   write_bytes(path, deflated(header, true));
   std::filesystem::resize_file(path, std::uintmax_t{1} << 30);
-  const Result<Image> image = import_image_here(path);
-  ASSERT_FALSE(image);
-  EXPECT_EQ(image.error().code, ErrorCode::kLimit);
-  EXPECT_THAT(image.error().message, testing::HasSubstr("a.nii.gz: has 1048576 MiB of pixels"));
+  EXPECT_THAT(import_image_here(path),
+              FailsWith(ErrorCode::kLimit, HasSubstr("a.nii.gz: has 1048576 MiB of pixels")));
 }
 
 }  // namespace

@@ -380,10 +380,8 @@ TEST_F(MoreFormats, MasksAtTheTopComeBeforeDicomBelow) {
 
 TEST_F(MoreFormats, PicturesNeedDistances) {
   write_bytes(folder_.file("a.tif"), "no picture");
-  const Result<Image> image = import_image(folder_.file("a.tif"));
-  ASSERT_FALSE(image);
-  EXPECT_EQ(image.error().code, ErrorCode::kUsage);
-  EXPECT_THAT(image.error().message, HasSubstr("--spacing X,Y,Z"));
+  EXPECT_THAT(import_image(folder_.file("a.tif")),
+              FailsWith(ErrorCode::kUsage, HasSubstr("--spacing X,Y,Z")));
   Notes notes;
   ImageOptions options;
   options.spacing_mm = Vec3{1, 1, 1};
