@@ -81,61 +81,55 @@ TEST(ClipMesh, APlaneThroughVoxelCentresCrossesExactlyThose) {
   mesh.positions_lps_mm.push_back({1, 6, 3});
   mesh.triangles.push_back({0, 2, 3});
   const Grid grid{.size = {8, 8, 8}};
-  const auto clipped = clip_mesh(mesh, grid);
-  ASSERT_TRUE(clipped);
-  EXPECT_TRUE(crosses_its_voxels(*clipped, grid));
-  EXPECT_EQ(clipped->surface.triangles, mesh.triangles);
-  EXPECT_EQ(clipped->crossed.size(), 36u);
-  for (const std::int64_t v : clipped->crossed) EXPECT_EQ(v / 64, 3);
-  EXPECT_DOUBLE_EQ(extent_of(clipped->surface).area, 25);
-  EXPECT_EQ(clipped->outside, 0);
-  EXPECT_EQ(clipped->surface.position_scale, 1024u);
-  for (const auto& n : clipped->surface.normals_lps) EXPECT_EQ(n, (std::array<float, 3>{0, 0, 1}));
+  const auto clipped = value_or_throw(clip_mesh(mesh, grid));
+  EXPECT_TRUE(crosses_its_voxels(clipped, grid));
+  EXPECT_EQ(clipped.surface.triangles, mesh.triangles);
+  EXPECT_EQ(clipped.crossed.size(), 36u);
+  for (const std::int64_t v : clipped.crossed) EXPECT_EQ(v / 64, 3);
+  EXPECT_DOUBLE_EQ(extent_of(clipped.surface).area, 25);
+  EXPECT_EQ(clipped.outside, 0);
+  EXPECT_EQ(clipped.surface.position_scale, 1024u);
+  for (const auto& n : clipped.surface.normals_lps) EXPECT_EQ(n, (std::array<float, 3>{0, 0, 1}));
 }
 
 TEST(ClipMesh, APlaneBetweenVoxelsBelongsToTheUpperOnes) {
   const Grid grid{.size = {4, 4, 4}};
   for (const auto& [z, slice] : {std::pair<double, std::int64_t>{-0.5, 0}, {1.5, 2}, {3.5, 3}}) {
-    const auto clipped = clip_mesh(triangle({0, 0, z}, {2, 0, z}, {0, 2, z}), grid);
-    ASSERT_TRUE(clipped);
-    EXPECT_TRUE(clipped->crossed.size() == 6 || z != 1.5) << clipped->crossed.size();
-    EXPECT_DOUBLE_EQ(extent_of(clipped->surface).area, 2);
-    for (const std::int64_t v : clipped->crossed) EXPECT_EQ(v / 16, slice);
+    const auto clipped = value_or_throw(clip_mesh(triangle({0, 0, z}, {2, 0, z}, {0, 2, z}), grid));
+    EXPECT_TRUE(clipped.crossed.size() == 6 || z != 1.5) << clipped.crossed.size();
+    EXPECT_DOUBLE_EQ(extent_of(clipped.surface).area, 2);
+    for (const std::int64_t v : clipped.crossed) EXPECT_EQ(v / 16, slice);
   }
 }
 
 TEST(ClipMesh, WhatLiesBeyondTheGridIsCutOffAndTold) {
   const Grid grid{.size = {4, 4, 4}};
   // Half of the height of the triangle is outside: a quarter of its area lies beyond x = 3.5.
-  const auto clipped = clip_mesh(triangle({1.5, 0, 1}, {5.5, 0, 1}, {1.5, 2, 1}), grid);
-  ASSERT_TRUE(clipped);
-  EXPECT_TRUE(crosses_its_voxels(*clipped, grid));
-  EXPECT_NEAR(clipped->outside, 0.25, 1e-12);
-  EXPECT_NEAR(extent_of(clipped->surface).area, 3, 1e-3);
-  const auto none = clip_mesh(triangle({10, 0, 0}, {11, 0, 0}, {10, 1, 0}), grid);
-  ASSERT_TRUE(none);
-  EXPECT_TRUE(none->crossed.empty());
-  EXPECT_TRUE(none->surface.triangles.empty());
-  EXPECT_EQ(none->outside, 1);
+  const auto clipped = value_or_throw(clip_mesh(triangle({1.5, 0, 1}, {5.5, 0, 1}, {1.5, 2, 1}), grid));
+  EXPECT_TRUE(crosses_its_voxels(clipped, grid));
+  EXPECT_NEAR(clipped.outside, 0.25, 1e-12);
+  EXPECT_NEAR(extent_of(clipped.surface).area, 3, 1e-3);
+  const auto none = value_or_throw(clip_mesh(triangle({10, 0, 0}, {11, 0, 0}, {10, 1, 0}), grid));
+  EXPECT_TRUE(none.crossed.empty());
+  EXPECT_TRUE(none.surface.triangles.empty());
+  EXPECT_EQ(none.outside, 1);
   // Corners a thousand kilometres away do no harm.
-  const auto huge = clip_mesh(triangle({-1e9, -1e9, 1}, {1e9, -1e9, 1}, {0, 1e9, 1}), grid);
-  ASSERT_TRUE(huge);
-  EXPECT_EQ(huge->crossed.size(), 16u);
-  EXPECT_NEAR(extent_of(huge->surface).area, 16, 1e-3);
+  const auto huge = value_or_throw(clip_mesh(triangle({-1e9, -1e9, 1}, {1e9, -1e9, 1}, {0, 1e9, 1}), grid));
+  EXPECT_EQ(huge.crossed.size(), 16u);
+  EXPECT_NEAR(extent_of(huge.surface).area, 16, 1e-3);
 }
 
 TEST(ClipMesh, NormalsAreTheFilesAndAreInterpolated) {
   TriangleMesh mesh = triangle({0, 0, 1}, {4, 0, 1}, {0, 4, 1});
   mesh.normals_lps = {{1, 0, 0}, {0, 1, 0}, {1, 0, 0}};
-  const auto clipped = clip_mesh(mesh, {.size = {2, 5, 3}});
-  ASSERT_TRUE(clipped);
+  const auto clipped = value_or_throw(clip_mesh(mesh, {.size = {2, 5, 3}}));
   bool found = false;
-  for (std::size_t v = 0; v < clipped->surface.positions_ijk.size(); ++v) {
-    const auto& [i, j, k] = clipped->surface.positions_ijk[v];
+  for (std::size_t v = 0; v < clipped.surface.positions_ijk.size(); ++v) {
+    const auto& [i, j, k] = clipped.surface.positions_ijk[v];
     if (i != 1.5f || j != 0) continue;
     const double t = 1.5 / 4, length = std::hypot(1 - t, t);
-    EXPECT_NEAR(clipped->surface.normals_lps[v][0], (1 - t) / length, 1e-6);
-    EXPECT_NEAR(clipped->surface.normals_lps[v][1], t / length, 1e-6);
+    EXPECT_NEAR(clipped.surface.normals_lps[v][0], (1 - t) / length, 1e-6);
+    EXPECT_NEAR(clipped.surface.normals_lps[v][1], t / length, 1e-6);
     found = true;
   }
   EXPECT_TRUE(found);
@@ -154,14 +148,13 @@ TEST(ClipMesh, TheFacesOfACubeKeepTheirNormals) {
     cube.triangles.insert(cube.triangles.end(), {{0, v, u}, {u, v, u + v}});
     cube.triangles.insert(cube.triangles.end(), {{far, far + u, far + v}, {far + u, far + u + v, far + v}});
   }
-  const auto clipped = clip_mesh(cube, {.size = {kEdge + 3, kEdge + 3, kEdge + 3}});
-  ASSERT_TRUE(clipped);
-  EXPECT_EQ(clipped->surface.triangles.size(), 12u);
-  EXPECT_EQ(clipped->crossed.size(), (kEdge + 1) * (kEdge + 1) * 6 - 12 * (kEdge + 1) + 8);
-  ASSERT_EQ(clipped->surface.positions_ijk.size(), 24u);
+  const auto clipped = value_or_throw(clip_mesh(cube, {.size = {kEdge + 3, kEdge + 3, kEdge + 3}}));
+  EXPECT_EQ(clipped.surface.triangles.size(), 12u);
+  EXPECT_EQ(clipped.crossed.size(), (kEdge + 1) * (kEdge + 1) * 6 - 12 * (kEdge + 1) + 8);
+  ASSERT_EQ(clipped.surface.positions_ijk.size(), 24u);
   for (std::size_t v = 0; v < 24; ++v) {
-    const auto& position = clipped->surface.positions_ijk[v];
-    const auto& normal = clipped->surface.normals_lps[v];
+    const auto& position = clipped.surface.positions_ijk[v];
+    const auto& normal = clipped.surface.normals_lps[v];
     const auto axis = static_cast<std::size_t>(std::ranges::find_if(normal, [](float n) { return n != 0; }) -
                                                normal.begin());
     EXPECT_EQ(std::ranges::count(normal, 0.f), 2);
@@ -173,12 +166,11 @@ TEST(ClipMesh, MillimetresBecomeIndices) {
   Grid grid = awkward_grid(0.2);
   grid.size = {9, 9, 9};
   const Affine to_mm = index_to_lps_mm(grid);
-  const auto clipped =
-      clip_mesh(triangle(to_mm.apply({4, 4, 4}), to_mm.apply({4.25, 4, 4}), to_mm.apply({4, 4.25, 4})), grid);
-  ASSERT_TRUE(clipped);
-  EXPECT_EQ(clipped->crossed, (std::vector<std::int64_t>{grid.offset(4, 4, 4)}));
-  ASSERT_EQ(clipped->surface.positions_ijk.size(), 3u);
-  EXPECT_EQ(clipped->surface.positions_ijk[1], (std::array<float, 3>{4.25f, 4, 4}));
+  const auto clipped = value_or_throw(clip_mesh(
+      triangle(to_mm.apply({4, 4, 4}), to_mm.apply({4.25, 4, 4}), to_mm.apply({4, 4.25, 4})), grid));
+  EXPECT_EQ(clipped.crossed, (std::vector<std::int64_t>{grid.offset(4, 4, 4)}));
+  ASSERT_EQ(clipped.surface.positions_ijk.size(), 3u);
+  EXPECT_EQ(clipped.surface.positions_ijk[1], (std::array<float, 3>{4.25f, 4, 4}));
 }
 
 RC_GTEST_PROP(ClipMesh, AClosedSurfaceStaysClosedAndKeepsAreaAndVolume, ()) {

@@ -50,13 +50,12 @@ std::string binary_stl(std::uint32_t triangles, std::uint32_t promised) {
 }
 
 TEST_F(ImportMesh, PolygonsBecomeTriangles) {
-  const auto mesh = import_bytes("a.obj", kSquareObj);
-  ASSERT_TRUE(mesh) << mesh.error().message;
-  EXPECT_EQ(mesh->positions_lps_mm.size(), 4u);
-  ASSERT_EQ(mesh->triangles.size(), 2u);
-  EXPECT_EQ(mesh->dropped, 0u);
-  EXPECT_TRUE(mesh->normals_lps.empty());
-  for (const CornerNormals& normals : corner_normals(*mesh)) EXPECT_EQ(normals, kUpwards);
+  const auto mesh = value_or_throw(import_bytes("a.obj", kSquareObj));
+  EXPECT_EQ(mesh.positions_lps_mm.size(), 4u);
+  ASSERT_EQ(mesh.triangles.size(), 2u);
+  EXPECT_EQ(mesh.dropped, 0u);
+  EXPECT_TRUE(mesh.normals_lps.empty());
+  for (const CornerNormals& normals : corner_normals(mesh)) EXPECT_EQ(normals, kUpwards);
 }
 
 TEST_F(ImportMesh, ObjNeedsNeitherTexturesNorNormals) {
@@ -78,18 +77,17 @@ TEST_F(ImportMesh, ObjNeedsNeitherTexturesNorNormals) {
 }
 
 TEST_F(ImportMesh, StlMayBeInCapitals) {
-  const auto mesh = import_bytes("a.stl",
-                                 " SOLID A B\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 0 1\nVERTEX 2E0 0 1\n"
-                                 "VERTEX 2 3 1\nENDLOOP\nENDFACET\nENDSOLID A B\n");
-  ASSERT_TRUE(mesh) << mesh.error().message;
-  EXPECT_EQ(mesh->positions_lps_mm, (std::vector<Vec3>{{0, 0, 1}, {2, 0, 1}, {2, 3, 1}}));
+  const auto mesh =
+      value_or_throw(import_bytes("a.stl",
+                                  " SOLID A B\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 0 1\nVERTEX 2E0 0 1\n"
+                                  "VERTEX 2 3 1\nENDLOOP\nENDFACET\nENDSOLID A B\n"));
+  EXPECT_EQ(mesh.positions_lps_mm, (std::vector<Vec3>{{0, 0, 1}, {2, 0, 1}, {2, 3, 1}}));
 }
 
 TEST_F(ImportMesh, RasIsTurnedAndKeepsItsOutside) {
-  const auto mesh = import_bytes("a.obj", kSquareObj, MeshFrame::kRas);
-  ASSERT_TRUE(mesh);
-  EXPECT_EQ(mesh->positions_lps_mm[2], (Vec3{-2, -3, 1}));
-  for (const CornerNormals& normals : corner_normals(*mesh)) EXPECT_EQ(normals, kUpwards);
+  const auto mesh = value_or_throw(import_bytes("a.obj", kSquareObj, MeshFrame::kRas));
+  EXPECT_EQ(mesh.positions_lps_mm[2], (Vec3{-2, -3, 1}));
+  for (const CornerNormals& normals : corner_normals(mesh)) EXPECT_EQ(normals, kUpwards);
 }
 
 /// Two triangles of equal areas at the x axis, the second turned around it.
@@ -125,9 +123,8 @@ TEST_F(ImportMesh, ReadsWhatItWrites) {
     const Result<void> written =
         committed(write_mesh(std::vector{surface, surface}, grid, folder_.file(name)));
     ASSERT_TRUE(written) << written.error().message;
-    const auto back = import_bytes(name, read_bytes(folder_.file(name)));
-    ASSERT_TRUE(back) << back.error().message;
-    ASSERT_EQ(back->triangles.size(), 6u);
+    const auto back = value_or_throw(import_bytes(name, read_bytes(folder_.file(name))));
+    ASSERT_EQ(back.triangles.size(), 6u);
     for (std::size_t t = 0; t < 3; ++t) {
       for (std::size_t n = 0; n < 3; ++n) {
         const auto& [i, j, k] = surface.positions_ijk[surface.triangles[t][n]];
@@ -135,7 +132,7 @@ TEST_F(ImportMesh, ReadsWhatItWrites) {
         // Writers choose the first corner of a triangle; the order is fixed.
         bool found = false;
         for (std::size_t turn = 0; turn < 3; ++turn) {
-          const Vec3& at = back->positions_lps_mm[back->triangles[t][turn]];
+          const Vec3& at = back.positions_lps_mm[back.triangles[t][turn]];
           found = found || std::hypot(at[0] - expected[0], at[1] - expected[1], at[2] - expected[2]) < 1e-4;
         }
         EXPECT_TRUE(found);
@@ -148,29 +145,26 @@ TEST_F(ImportMesh, ReadsWhatItWrites) {
 }
 
 TEST_F(ImportMesh, TrianglesWithoutAreaOrPlaceAreCounted) {
-  const auto mesh = import_bytes("a.obj",
-                                 "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nv nan 0 0\nv 1e30 0 0\n"
-                                 "f 1 2 3\nf 1 2 4\nf 1 2 2\nf 1 2 5\nf 1 2 6\n");
-  ASSERT_TRUE(mesh) << mesh.error().message;
-  EXPECT_EQ(mesh->triangles.size(), 1u);
-  EXPECT_GE(mesh->dropped, 2u);  // VTK itself may drop some
+  const auto mesh = value_or_throw(import_bytes("a.obj",
+                                                "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nv nan 0 0\nv 1e30 0 0\n"
+                                                "f 1 2 3\nf 1 2 4\nf 1 2 2\nf 1 2 5\nf 1 2 6\n"));
+  EXPECT_EQ(mesh.triangles.size(), 1u);
+  EXPECT_GE(mesh.dropped, 2u);  // VTK itself may drop some
 }
 
 TEST_F(ImportMesh, ABackslashContinuesALineOfObj) {
   for (const std::string end : {"\n", "\r\n"}) {
     const std::string continued =
         "v 0 0 \\" + end + "1\nv 2 0 1\nv 2 3 1\nv 0 3 1\nf 1 2\\" + end + "3 \\" + end + "4\n";
-    const auto mesh = import_bytes("a.obj", continued);
-    ASSERT_TRUE(mesh) << mesh.error().message;
-    EXPECT_EQ(mesh->positions_lps_mm, import_bytes("b.obj", kSquareObj)->positions_lps_mm);
-    EXPECT_EQ(mesh->triangles.size(), 2u);
+    const auto mesh = value_or_throw(import_bytes("a.obj", continued));
+    EXPECT_EQ(mesh.positions_lps_mm, import_bytes("b.obj", kSquareObj)->positions_lps_mm);
+    EXPECT_EQ(mesh.triangles.size(), 2u);
     EXPECT_THAT(error("a.obj", continued + "f 1 \\" + end + "2 9\n"), HasSubstr("line 9: corner '9'"));
   }
   EXPECT_THAT(error("a.obj", std::string(kSquareObj) + "f 1 2 3 \\"), HasSubstr("line 7"));
   // But not a comment: many end in a folder's name.
-  const auto mesh = import_bytes("c.obj", "# C:\\models\\\n" + std::string(kSquareObj));
-  ASSERT_TRUE(mesh) << mesh.error().message;
-  EXPECT_EQ(mesh->positions_lps_mm, import_bytes("b.obj", kSquareObj)->positions_lps_mm);
+  const auto mesh = value_or_throw(import_bytes("c.obj", "# C:\\models\\\n" + std::string(kSquareObj)));
+  EXPECT_EQ(mesh.positions_lps_mm, import_bytes("b.obj", kSquareObj)->positions_lps_mm);
 }
 
 TEST_F(ImportMesh, RefusesDamagedFiles) {
@@ -209,10 +203,9 @@ TEST_F(ImportMesh, PlyIsWholeOrRefused) {
        {ply("ascii", list, text + "4 1 0 2 2\n"),
         ply("ascii", "int int32 vertex_index", text + "3 1 0 2 0.5\n"),
         ply("binary_big_endian", list, binary + "\3" + std::string("\1\0\2", 3))}) {
-    const auto mesh = import_bytes("a.ply", bytes);
-    ASSERT_TRUE(mesh) << mesh.error().message;
-    EXPECT_EQ(mesh->positions_lps_mm, (std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}));
-    EXPECT_EQ(mesh->triangles[0], (std::array<std::uint32_t, 3>{1, 0, 2}));
+    const auto mesh = value_or_throw(import_bytes("a.ply", bytes));
+    EXPECT_EQ(mesh.positions_lps_mm, (std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}));
+    EXPECT_EQ(mesh.triangles[0], (std::array<std::uint32_t, 3>{1, 0, 2}));
   }
   const auto refuses = [&](const std::string& bytes, const std::string& reason) {
     EXPECT_THAT(error("a.ply", bytes), AllOf(StartsWith(folder_.file("a.ply") + ": "), HasSubstr(reason)))
