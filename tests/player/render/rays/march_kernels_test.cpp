@@ -163,10 +163,11 @@ TEST_P(MarchKernelsOf, WhatIsEmittedInFrontHidesWhatIsBehind) {
   }
 }
 
-/// RMS error of opacities, or of the colours of voxels, against 64 steps per slab. `adjust` sets the options of
-/// a scene of one step.
+/// RMS error of opacities, or of the colours of voxels, against 64 steps per slab. `adjust` sets the options
+/// of a scene of one step.
 template <typename Adjust>
-double rms_error(const MarchKernels& kernels, std::size_t points, const Adjust& adjust, bool colored = false) {
+double rms_error(const MarchKernels& kernels, std::size_t points, const Adjust& adjust,
+                 bool colored = false) {
   constexpr std::uint32_t kSeeds = 20;
   const std::size_t plane = colored ? 1 : 3;
   double squares = 0;
@@ -199,7 +200,9 @@ TEST_P(MarchKernelsOf, ToleranceBoundsTheError) {
     scene.max_steps = 64;
   };
   EXPECT_LT(rms_error(kernels(), 4, adaptive), 5e-4);
-  EXPECT_GT(rms_error(kernels(), 4, [](MarchScene&) {}, true), 1e-2);
+  EXPECT_GT(rms_error(
+                kernels(), 4, [](MarchScene&) {}, true),
+            1e-2);
   EXPECT_LT(rms_error(kernels(), 4, adaptive, true), 6e-4);
 }
 
