@@ -85,8 +85,8 @@ class Atlas {
   /// the axis, derives them from the z model.
   [[nodiscard]] Result<ClassRuns> read_runs(ClassId c, Axis axis) const;
   /// [structure]: colours that keep structures which touch apart, also for colour-blind eyes
-  /// (format/derive/distinct_colors.h). Groups keep theirs. Classes with unreadable runs touch nothing. Cost:
-  /// reads all runs of the z model; O(runs * log(classes)).
+  /// (format/derive/distinct_colors.h). Groups keep theirs. kInvalidAtlas if a run is damaged. Cost: reads
+  /// all runs of the z model; O(runs * log(classes)).
   [[nodiscard]] Result<std::vector<Rgb>> distinct_colors() const;
   /// Grey values of the voxels of a class (including the empty class) in memory order:
   /// voxels(c) * bytes_of(value_type()) bytes.

@@ -33,6 +33,13 @@ void paint_behind(Picture& picture, Rgb top, Rgb bottom) {
   }
 }
 
+/// The control of one of two passes, whose progress goes from `from` to `from` + 0.5.
+RenderControl half_of(const RenderControl& control, double from) {
+  RenderControl half{.stop = control.stop};
+  if (control.progress) half.progress = [&control, from](double done) { control.progress(from + done / 2); };
+  return half;
+}
+
 /// The selection without ghosts and translucent surfaces, which have no outlines.
 Selection solids_of(Selection selection) {
   for (StructureDraw& draw : selection.structures) {
@@ -221,19 +228,21 @@ Result<Page> PageRenderer::render(Renderer& renderer, const Camera& camera, cons
     SPLATLAS_ASSIGN_OR_RETURN(page.camera, impl_->fit(renderer, camera, decode_ms));
   }
   RenderOptions render = options.render;
+  RenderControl drawing = control;
   const Selection all = renderer.selection(), solid = options.outlines ? solids_of(all) : all;
   Frame solids;
   if (solid != all) {  // first: names are picked in the latest frame
     render.ids = render.depths = true;
     SPLATLAS_RETURN_IF_ERROR(renderer.select(solid));
-    Result<Frame> drawn = renderer.render(page.camera, render, {.stop = control.stop});
+    Result<Frame> drawn = renderer.render(page.camera, render, half_of(control, 0));
     SPLATLAS_RETURN_IF_ERROR(renderer.select(all));
     SPLATLAS_ASSIGN_OR_RETURN(solids, std::move(drawn));
     render = options.render;
+    drawing = half_of(control, 0.5);
   } else if (options.outlines) {
     render.ids = render.depths = true;
   }
-  SPLATLAS_ASSIGN_OR_RETURN(page.frame, renderer.render(page.camera, render, control));
+  SPLATLAS_ASSIGN_OR_RETURN(page.frame, renderer.render(page.camera, render, drawing));
   page.frame.stats.decode_ms += decode_ms;
   if (options.outlines) {
     SPLATLAS_ASSIGN_OR_RETURN(const View view,

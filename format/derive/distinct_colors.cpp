@@ -81,6 +81,22 @@ void sort_once(std::vector<T>& values) {
   values.erase(std::unique(values.begin(), values.end()), values.end());
 }
 
+/// Appends a value. Where the capacity ends, it leaves each value once, so memory is that of the different
+/// ones. `bytes`: the sum of all capacities. Throws as check_memory().
+template <typename T>
+void add_once(std::vector<T>& values, T value, double& bytes) {
+  if (values.size() == values.capacity()) {
+    sort_once(values);
+    if (2 * values.size() >= values.capacity()) {
+      const std::size_t more = std::max<std::size_t>(values.capacity(), 16);
+      bytes += static_cast<double>(more * sizeof(T));
+      check_memory(bytes);
+      values.reserve(values.capacity() + more);
+    }
+  }
+  values.push_back(value);
+}
+
 /// Classes that touch, in pairs a < b; the empty class has no part in them.
 std::vector<std::pair<ClassId, ClassId>> touching_classes(const ClassTable& classes,
                                                           std::span<const ClassRuns> runs,
@@ -99,6 +115,7 @@ std::vector<std::pair<ClassId, ClassId>> touching_classes(const ClassTable& clas
     if (!continues) spans.push_back(span);
   }
   std::vector<std::pair<ClassId, ClassId>> pairs;
+  double bytes = 0;
   std::vector<ClassId> latest(classes.size(), kEmptyClass);  // [smaller class]: most pairs come in sequence
   const auto rows = static_cast<std::uint64_t>(size[1]);
   TaskPace pace;
@@ -115,7 +132,7 @@ std::vector<std::pair<ClassId, ClassId>> touching_classes(const ClassTable& clas
         if (spans[n].run.scanline != row || spans[n].run.start >= end(span.run) + voxels) break;
         pace.step();
         const auto [a, b] = std::minmax(span.of, spans[n].of);
-        if (a != b && std::exchange(latest[a], b) != b) pairs.emplace_back(a, b);
+        if (a != b && std::exchange(latest[a], b) != b) add_once(pairs, std::pair(a, b), bytes);
       }
     }
   }
@@ -130,14 +147,15 @@ std::vector<std::vector<StructureIndex>> touching_structures(std::size_t structu
                                                              std::span<const ClassRuns> runs,
                                                              const Index3& size) {
   std::vector<std::vector<StructureIndex>> touching(structures);
+  double bytes = 0;
   TaskPace pace;
   const auto add = [&](ClassId a, ClassId b) {
     for (const Membership& of_a : classes.members(a)) {
       for (const Membership& of_b : classes.members(b)) {
         pace.step();
         if (of_a.structure == of_b.structure) continue;
-        touching[of_a.structure].push_back(of_b.structure);
-        touching[of_b.structure].push_back(of_a.structure);
+        add_once(touching[of_a.structure], of_b.structure, bytes);
+        add_once(touching[of_b.structure], of_a.structure, bytes);
       }
     }
   };

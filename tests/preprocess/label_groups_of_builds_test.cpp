@@ -94,6 +94,11 @@ TEST_F(LabelGroups, SplitAtAPlaneOrByAnImage) {
                                     "Label 4 #4: 5"};
   scene.sources.sides = "x=0";
   EXPECT_EQ(built(scene), expected);
+  const auto atlas = value_or_throw(Atlas::open(scene.output));
+  const auto color_of = [&](const char* name) {
+    return atlas->graph()[atlas->graph().find(name)->front()].color;
+  };
+  EXPECT_EQ(color_of("Label 1 left"), color_of("Label 1"));
   const auto write_sides = [&](const auto& side) {
     return write("sides.nrrd", in_order(byte_image(grid, side), AxisOrder{{2, 0, 1}, {true, false, true}}));
   };

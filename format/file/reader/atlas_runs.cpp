@@ -5,6 +5,7 @@
 #include "format/derive/distinct_colors.h"
 #include "format/file/reader/atlas_impl.h"
 #include "format/result_macros.h"
+#include "format/tasks/task_control.h"
 
 namespace splatlas {
 namespace {
@@ -136,13 +137,14 @@ Result<ClassRuns> Atlas::read_runs(ClassId c, Axis axis) const {
 
 Result<std::vector<Rgb>> Atlas::distinct_colors() const {
   const auto find = [&]() -> Result<std::vector<Rgb>> {
+    check_memory(static_cast<double>(this->runs(Axis::kZ)) * sizeof(Run));
     std::vector<ClassRuns> runs(classes().size());
     std::vector<std::optional<Rgb>> kept;
     for (const Structure& structure : graph().structures())
       kept.push_back(structure.external ? std::nullopt : std::optional(structure.color));
     for (ClassId c = 0; c < runs.size(); ++c) {
       for (const Membership& member : classes().members(c)) kept[member.structure].reset();
-      if (auto read = impl_->read_stored_runs(c, Axis::kZ)) runs[c] = std::move(*read);
+      SPLATLAS_ASSIGN_OR_RETURN(runs[c], impl_->read_stored_runs(c, Axis::kZ));
     }
     return splatlas::distinct_colors(touching_structures(kept.size(), classes(), runs, grid().size), kept);
   };

@@ -214,6 +214,7 @@ bool FitFrame::narrow(const FitExtents& extents) {
   // Planes of half angle t that touch the points on both sides have t = (half + t * depth) / (height +
   // depth). With the middle depth, the right side is a contraction.
   const double depth = extents.middle(kFar, kNear) * slope_;
+  if (*narrowed_ + depth <= 0) return false;  // a single point
   const auto of_points = [&](double t, double half) { return (half + t * depth) / (*narrowed_ + depth); };
   const double height = of_points(half_height_, extents.half(kUp, kDown));
   const double width = of_points(half_width_, extents.half(kRight, kLeft));
