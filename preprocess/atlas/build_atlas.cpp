@@ -57,12 +57,15 @@ Result<StructureGraph> with_distinct_colors(const SourceModel& model, const Plac
   std::vector<Structure> structures(all.begin(), all.end());
   std::vector<std::optional<Rgb>> given;
   for (const Structure& structure : structures) given.emplace_back(structure.color);
-  const auto touching = touching_structures(all.size(), voxels.classes, voxels.runs.classes, size);
+  std::vector<StructureIndex> uncolored;
   for (std::size_t n = 0; n < model.structures.size(); ++n) {
     const StructureIndex s = placed.index_of_source[n];
-    const bool has_none = !model.structures[n].color && structures[s].color == default_color(n);
-    if (has_none && !touching[s].empty()) given[s].reset();  // a whole keeps the colour of its sides
+    if (!model.structures[n].color && structures[s].color == default_color(n)) uncolored.push_back(s);
   }
+  if (uncolored.empty()) return placed.graph;
+  const auto touching = touching_structures(all.size(), voxels.classes, voxels.runs.classes, size);
+  for (const StructureIndex s : uncolored)
+    if (!touching[s].empty()) given[s].reset();  // a whole keeps the colour of its sides
   const std::vector<Rgb> colors = distinct_colors(touching, given);
   for (StructureIndex s = 0; s < structures.size(); ++s) structures[s].color = colors[s];
   return StructureGraph::build(std::move(structures));
