@@ -1,7 +1,9 @@
 // Voxels whose emission depends on the view (hybrid shading), blocks of voxels in spans, and their memory.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -44,10 +46,12 @@ struct LitBlock {
 /// The lit voxels of a slice, by ascending block.
 using LitBlocks = std::vector<LitBlock>;
 
-/// The latest block, or a new one with another number or colour.
+/// The latest block, or a new one with another number or colour. Means of one colour differ by rounding.
 [[nodiscard]] inline LitBlock& require_block(LitBlocks& blocks, std::uint32_t block,
                                              const std::array<float, 3>& color) {
-  if (blocks.empty() || blocks.back().block != block || blocks.back().color != color) {
+  const auto is_same = [](float a, float b) { return std::abs(a - b) < 2e-6f; };
+  if (blocks.empty() || blocks.back().block != block ||
+      !std::ranges::equal(blocks.back().color, color, is_same)) {
     LitBlock& next = blocks.emplace_back();
     next.block = block;
     next.color = color;

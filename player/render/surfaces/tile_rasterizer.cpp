@@ -116,6 +116,7 @@ void TileRasterizer::pass_sample_faces() {
       if (faces.front.rgba[3] >= 1) hiding_[first_slot + n] = -kNothingHidden;
       layers_.pass_face(first_slot + n, faces.front);
     }
+    renew_pixel(pixel_of_slot_[first_slot / slots]);
   });
 }
 

@@ -1,7 +1,9 @@
 #include "player/render/sheets/spans/coarse_spans.h"
 
 #include <array>
+#include <cstdint>
 #include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -69,6 +71,22 @@ TEST(CoarseSpans, AreNotLitUnlessTheRequestAsksForIt) {
   const CoarseSpans spans(fine, false, 1, prepared.pool);
   EXPECT_GT(spans.model().voxels, 0u);
   EXPECT_EQ(spans.model().lit_blocks, 0u);
+}
+
+/// Rounding would give nearly every mean a colour, and thus a block, of its own.
+TEST(CoarseSpans, ListABlockOfMeansOfOneColourOnce) {
+  TestVolume volume;
+  volume.grid.size = {64, 8, 8};
+  volume.structures = {{"a", box_mask({64, 8, 8}, {0, 0, 0}, {31, 7, 7}), {90, 20, 150}},
+                       {"b", box_mask({64, 8, 8}, {32, 0, 0}, {63, 7, 7}), {250, 110, 30}}};
+  std::vector<std::uint8_t> greys;
+  for (std::uint32_t n = 0; n < 64 * 64; ++n) greys.push_back(static_cast<std::uint8_t>(n * n % 251 + 1));
+  volume.values = make_values(VoxelType::kUInt8, greys);
+  volume.window_high = 251;
+  const AtlasContent content = make_content(volume);
+  PreparedSelection prepared(content, selection_of("*:volume", content.graph));
+  const CoarseSpans spans(prepared.spans(Axis::kZ), true, 1, prepared.pool);
+  EXPECT_EQ(spans.model().lit_blocks, 2u * 4 * 4);
 }
 
 TEST(VoxelSums, HaveAColourForTheSmallestEmissions) {
