@@ -9,20 +9,6 @@
 #include "format/result_macros.h"
 
 namespace splatlas {
-namespace {
-
-/// Converts hue, saturation and value, each 0 to 1, to sRGB.
-Rgb from_hsv(double hue, double saturation, double value) {
-  const auto channel = [&](double n) {
-    const double k = std::fmod(n + hue * 6, 6);
-    const double ramp = std::fmax(0, std::fmin(std::fmin(k, 4 - k), 1));
-    return static_cast<std::uint8_t>(std::lround(255 * value * (1 - saturation * ramp)));
-  };
-  return {channel(5), channel(3), channel(1)};
-}
-
-}  // namespace
-
 std::string to_hex(Rgb color) {
   return fmt::format("#{:02x}{:02x}{:02x}", color.r, color.g, color.b);
 }
@@ -42,12 +28,12 @@ Result<Rgb> parse_color(std::string_view text) {
 }
 
 Rgb default_color(std::size_t n) {
-  // 2^64 / golden ratio: high bits of the product spread evenly on the hue circle (Fibonacci hashing).
-  const std::uint64_t turn = static_cast<std::uint64_t>(n) * 0x9e3779b97f4a7c15u;
-  const double hue = static_cast<double>(turn >> 11) * 0x1p-53;
-  constexpr std::array<double, 3> kSaturation{0.62, 0.45, 0.8};
-  constexpr std::array<double, 2> kValue{0.96, 0.8};
-  return from_hsv(hue, kSaturation[n % 3], kValue[n / 3 % 2]);
+  constexpr std::array<std::uint32_t, kDefaultColors> kColors{0xeebb00, 0x5555ff, 0xdd0000, 0x66ddaa,
+                                                              0xbb00bb, 0x55aa99, 0xccbbff, 0xdd8822,
+                                                              0xaaffff, 0x886677, 0xaa88ee, 0xffff00};
+  const std::uint32_t code = kColors[n % kColors.size()];
+  return {static_cast<std::uint8_t>(code >> 16), static_cast<std::uint8_t>(code >> 8 & 0xff),
+          static_cast<std::uint8_t>(code & 0xff)};
 }
 
 double encode_srgb(double linear) {

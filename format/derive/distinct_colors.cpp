@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -29,6 +30,13 @@ constexpr Matrix kCones{{{0.4122214708, 0.5363325363, 0.0514459929},
 constexpr Matrix kLab{{{0.2104542553, 0.7936177850, -0.0040720468},
                        {1.9779984951, -2.4285922050, 0.4505937099},
                        {0.0259040371, 0.7827717662, -0.8086757660}}};
+
+// Their inverses.
+constexpr Matrix kFromLab{
+    {{1, 0.3963377774, 0.2158037573}, {1, -0.1055613458, -0.0638541728}, {1, -0.0894841775, -1.2914855480}}};
+constexpr Matrix kFromCones{{{4.0767416621, -3.3077115913, 0.2309699292},
+                             {-1.2684380046, 2.6097574011, -0.3413193965},
+                             {-0.0041960863, -0.7034186147, 1.7076147010}}};
 
 Vec3 times(const Matrix& m, const Vec3& v) {
   return {dot(m[0], v), dot(m[1], v), dot(m[2], v)};
@@ -61,18 +69,38 @@ double distance(const SeenColor& a, const SeenColor& b) {
   return least;
 }
 
-/// Found by a search: of light colours, any two have a distance of at least 0.112 for every sight.
-constexpr std::array<std::uint32_t, 12> kPalette{0xeebb00, 0x5555ff, 0xdd0000, 0x66ddaa, 0xbb00bb, 0x55aa99,
-                                                 0xccbbff, 0xdd8822, 0xaaffff, 0x886677, 0xaa88ee, 0xffff00};
-
-Rgb rgb_of(std::uint32_t code) {
-  return {static_cast<std::uint8_t>(code >> 16), static_cast<std::uint8_t>(code >> 8 & 0xff),
-          static_cast<std::uint8_t>(code & 0xff)};
-}
-
 /// Distance at which colours are clearly apart: as any two of the palette, five times the just noticeable
 /// one.
 constexpr double kApart = 0.112;
+
+using Shade = std::array<int, 4>;  ///< change, and steps of lightness, chroma and hue
+
+std::array<Shade, 63> all_shades() {
+  std::array<Shade, 63> shades{};
+  for (int n = 0; n < 63; ++n) {
+    const int lightness = n / 9 - 3, chroma = n / 3 % 3 - 1, hue = n % 3 - 1;
+    shades[n] = {lightness * lightness + 4 * (chroma * chroma + hue * hue), lightness, chroma, hue};
+  }
+  std::ranges::sort(shades);
+  return shades;
+}
+
+/// The colour itself if it would be too dark or is none of sRGB.
+Rgb shade_of(Rgb color, const Shade& shade) {
+  const Vec3 lab = seen(color)[0];
+  const double lightness = lab[0] + 0.115 * shade[1], turn = std::numbers::pi / 9 * shade[3],
+               chroma = (1 + 0.5 * shade[2]) * std::min(1.0, lightness / lab[0]);  // darker as in shadow
+  const double x = chroma * std::cos(turn), y = chroma * std::sin(turn);
+  Vec3 linear = times(kFromLab, {lightness, lab[1] * x - lab[2] * y, lab[1] * y + lab[2] * x});
+  for (double& cone : linear) cone = cone * cone * cone;
+  linear = times(kFromCones, linear);
+  if (lightness < 0.3 || *std::ranges::min_element(linear) < -0.02 ||
+      *std::ranges::max_element(linear) > 1.02)
+    return color;
+  for (double& channel : linear) channel = 255 * encode_srgb(std::clamp(channel, 0.0, 1.0)) + 0.5;
+  return {static_cast<std::uint8_t>(linear[0]), static_cast<std::uint8_t>(linear[1]),
+          static_cast<std::uint8_t>(linear[2])};
+}
 
 /// Sorts, and leaves each value once.
 template <typename T>
@@ -171,36 +199,38 @@ double color_distance(Rgb a, Rgb b, Sight sight) {
 }
 
 std::vector<Rgb> distinct_colors(std::span<const std::vector<StructureIndex>> neighbors,
-                                 std::span<const std::optional<Rgb>> given) {
-  std::array<SeenColor, kPalette.size()> palette;
-  for (std::size_t n = 0; n < palette.size(); ++n) palette[n] = seen(rgb_of(kPalette[n]));
+                                 std::span<const std::optional<Rgb>> given,
+                                 std::span<const std::optional<Rgb>> wished) {
+  static const std::array<Shade, 63> shades = all_shades();
   std::vector<Rgb> colors(neighbors.size());
   std::vector<std::optional<SeenColor>> found(neighbors.size());
   std::vector<StructureIndex> order;
   for (StructureIndex s = 0; s < neighbors.size(); ++s) {
-    if (given[s]) {
-      colors[s] = *given[s];
-      found[s] = seen(*given[s]);
-    } else {
-      order.push_back(s);
-    }
+    if (given[s]) found[s] = seen(colors[s] = *given[s]);
+    if (!given[s]) order.push_back(s);
   }
   std::ranges::stable_sort(order, std::greater(), [&](StructureIndex s) { return neighbors[s].size(); });
-  std::array<std::size_t, kPalette.size()> uses{};
+  std::array<std::pair<std::size_t, std::size_t>, kDefaultColors> palette;  // uses, index
+  for (std::size_t n = 0; n < palette.size(); ++n) palette[n] = {0, n};
   for (const StructureIndex s : order) {
-    std::array<double, kPalette.size()> apart;
-    apart.fill(kApart);
-    for (const StructureIndex other : neighbors[s]) {
-      for (std::size_t n = 0; found[other] && n < palette.size(); ++n)
-        apart[n] = std::min(apart[n], distance(palette[n], *found[other]));
-    }
+    const bool has_wish = !wished.empty() && wished[s];
+    std::ranges::sort(palette);
+    double farthest = -1;
     std::size_t best = 0;
-    for (std::size_t n = 1; n < palette.size(); ++n) {
-      if (apart[n] > apart[best] || (apart[n] == apart[best] && uses[n] < uses[best])) best = n;
+    for (std::size_t n = 0; n < (has_wish ? shades.size() : palette.size()) && farthest < kApart; ++n) {
+      const Rgb color =
+          has_wish ? n == 0 ? *wished[s] : shade_of(*wished[s], shades[n]) : default_color(palette[n].second);
+      const SeenColor looks = seen(color);
+      double apart = kApart;
+      for (const StructureIndex other : neighbors[s])
+        if (found[other] && other != s) apart = std::min(apart, distance(looks, *found[other]));
+      if (apart <= farthest) continue;
+      farthest = apart;
+      best = n;
+      colors[s] = color;
+      found[s] = looks;
     }
-    ++uses[best];
-    colors[s] = rgb_of(kPalette[best]);
-    found[s] = palette[best];
+    if (!has_wish) ++palette[best].first;
   }
   return colors;
 }

@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <cstddef>
+#include <map>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -10,6 +12,7 @@
 #include "format/derive/value_groups.h"
 #include "format/result_macros.h"
 #include "preprocess/import/tables/read_scenes.h"
+#include "preprocess/import/tables/text_file.h"
 #include "preprocess/surfaces/extract_surfaces.h"
 
 namespace splatlas {
@@ -50,24 +53,47 @@ std::vector<Isosurface> isosurfaces_of(const SourceModel& model, const PlacedStr
   return isosurfaces;
 }
 
-/// The graph with colours, apart from those of neighbours, for structures whose colours stand for none.
+/// The graph with colours, apart from those of neighbours, for structures that have none in the sources and
+/// the tree. The sides of one whole, and left and right of one name, have one colour.
 Result<StructureGraph> with_distinct_colors(const SourceModel& model, const PlacedStructures& placed,
                                             const ClassifiedVoxels& voxels, const Index3& size) {
   const auto all = placed.graph.structures();
   std::vector<Structure> structures(all.begin(), all.end());
-  std::vector<std::optional<Rgb>> given;
+  std::vector<std::optional<Rgb>> given, wished(structures.size());
+  std::vector<StructureIndex> uncolored, one_of;  // one_of: [structure], that whose colour it has
   for (const Structure& structure : structures) given.emplace_back(structure.color);
-  std::vector<StructureIndex> uncolored;
+  for (StructureIndex s = 0; s < given.size(); ++s) one_of.push_back(s);
+  std::map<std::tuple<std::string, std::string, char>, StructureIndex> partners;
   for (std::size_t n = 0; n < model.structures.size(); ++n) {
+    const SourceStructure& source = model.structures[n];
     const StructureIndex s = placed.index_of_source[n];
-    if (!model.structures[n].color && structures[s].color == default_color(n)) uncolored.push_back(s);
+    if (source.whole) one_of[s] = one_of[placed.index_of_source[*source.whole]];
+    if (source.whole || source.color || placed.colored.contains(s)) continue;
+    uncolored.push_back(s);
+    wished[s] = anatomical_color(source.name, source.terms);
+    const SidedName sided = sided_name(source.name);
+    const auto partner = partners.find({source.group, sided.rest, sided.side == 'l' ? 'r' : 'l'});
+    if (sided.side == 0 || !wished[s]) continue;
+    if (partner == partners.end()) {
+      partners.emplace(std::tuple(source.group, sided.rest, sided.side), s);
+    } else if (wished[partner->second] == wished[s]) {
+      one_of[s] = partner->second;
+      partners.erase(partner);
+    }
   }
   if (uncolored.empty()) return placed.graph;
-  const auto touching = touching_structures(all.size(), voxels.classes, voxels.runs.classes, size);
-  for (const StructureIndex s : uncolored)
-    if (!touching[s].empty()) given[s].reset();  // a whole keeps the colour of its sides
-  const std::vector<Rgb> colors = distinct_colors(touching, given);
-  for (StructureIndex s = 0; s < structures.size(); ++s) structures[s].color = colors[s];
+  auto touching = touching_structures(all.size(), voxels.classes, voxels.runs.classes, size);
+  for (StructureIndex s = 0; s < touching.size(); ++s) {
+    for (StructureIndex& other : touching[s]) other = one_of[other];
+    if (one_of[s] == s) continue;
+    touching[one_of[s]].insert(touching[one_of[s]].end(), touching[s].begin(), touching[s].end());
+  }
+  for (const StructureIndex s : uncolored) {
+    std::erase(touching[s], s);
+    if (!touching[s].empty() && one_of[s] == s) given[s].reset();
+  }
+  const std::vector<Rgb> colors = distinct_colors(touching, given, wished);
+  for (StructureIndex s = 0; s < structures.size(); ++s) structures[s].color = colors[one_of[s]];
   return StructureGraph::build(std::move(structures));
 }
 

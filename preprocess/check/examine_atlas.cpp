@@ -24,27 +24,6 @@ constexpr std::string_view kHeadWords =
 #include "preprocess/check/head_words.txt"
     ;
 
-/// The side that a name tells, and the name with "*" in its place.
-struct SidedName {
-  char side = 0;  ///< 'l', 'r', or 0
-  std::string rest;
-};
-
-SidedName sided_name(std::string_view name) {
-  std::vector<std::string> words = words_of(name);
-  SidedName sided;
-  for (std::size_t n = 0; n < words.size(); ++n) {
-    std::string& word = words[n];
-    const bool is_letter = (word == "l" || word == "r") && (n == 0 || n + 1 == words.size());
-    if (!is_letter && word != "left" && word != "right" && word != "lh" && word != "rh") continue;
-    if (sided.side != 0) return {};
-    sided.side = word[0];
-    word = "*";
-  }
-  sided.rest = fmt::format("{}", fmt::join(words, " "));
-  return sided;
-}
-
 class Examiner {
  public:
   Examiner(const Atlas& atlas, const AtlasMeasures& measures)

@@ -303,15 +303,15 @@ class PathPlacer {
 };
 
 /// Graph of the sources without parents, for lookups by name and pattern.
-Result<StructureGraph> graph_of_sources(std::span<const SourceStructure> sources, UniqueIds& ids,
-                                        DefaultColors& colors) {
+Result<StructureGraph> graph_of_sources(std::span<const SourceStructure> sources, UniqueIds& ids) {
   std::vector<Structure> structures;
   for (const SourceStructure& source : sources) {
     Structure structure;
     structure.id = ids.claim(source.group.empty() ? source.name : source.group + " " + source.name);
     structure.name = source.name;
-    structure.color =
-        source.color ? *source.color : colors.next(source.name, source.terms, structures.size());
+    const std::optional<Rgb> color =
+        source.color ? source.color : anatomical_color(source.name, source.terms);
+    structure.color = color.value_or(default_color(structures.size()));
     structure.label = source.label;
     structure.external = source.external;
     structure.terms = source.terms;
@@ -325,10 +325,9 @@ Result<StructureGraph> graph_of_sources(std::span<const SourceStructure> sources
 Result<PlacedStructures> build_graph(std::span<const SourceStructure> sources,
                                      std::span<const TreeLine> lines, const std::string& file, Notes& notes) {
   UniqueIds ids;
-  DefaultColors colors;
-  SPLATLAS_ASSIGN_OR_RETURN(StructureGraph flat, graph_of_sources(sources, ids, colors));
+  SPLATLAS_ASSIGN_OR_RETURN(StructureGraph flat, graph_of_sources(sources, ids));
   const SourceLookup lookup(sources, std::move(flat));
-  GraphParts parts(lookup.flat(), ids, colors);
+  GraphParts parts(lookup.flat(), ids);
   std::vector<TreeLine> paths;
   std::vector<TreeLine> nodes;
   for (const TreeLine& line : lines) (line.node ? nodes : paths).push_back(line);
@@ -354,10 +353,10 @@ Result<PlacedStructures> build_graph(std::span<const SourceStructure> sources,
     } else if (nodes.empty() || !parts.has_parent(index))
       parts.add_parent(index, root(sources[n].group));
   }
-  auto [structures, index_of_source] = parts.finish();
+  auto [structures, index_of_source, colored] = parts.finish();
   Result<StructureGraph> graph = StructureGraph::build(std::move(structures));
   if (!graph) return bad_file(file, "{}", graph.error().message);
-  return PlacedStructures{std::move(*graph), std::move(index_of_source)};
+  return PlacedStructures{std::move(*graph), std::move(index_of_source), std::move(colored)};
 }
 
 }  // namespace splatlas

@@ -1,8 +1,11 @@
 // Construction of the structure graph from sources and a tree.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <unordered_set>
 #include <vector>
 
 #include "format/content/structure_graph.h"
@@ -15,9 +18,14 @@ namespace splatlas {
 struct PlacedStructures {
   StructureGraph graph;
   std::vector<StructureIndex> index_of_source;  ///< [source number]: structure
+  std::unordered_set<StructureIndex> colored;   ///< by the tree
 };
 
+/// The colour of the name in anatomical_colors.txt, or else of a term.
+[[nodiscard]] std::optional<Rgb> anatomical_color(std::string_view name, std::span<const Term> terms);
+
 /// Assigns unique ids and places the structures by the tree (see build --help); without lines, all are roots.
+/// Without a colour in its source or the tree, a structure has the anatomical one, or else a distinct hue.
 /// Lines and nodes that fit no structure are counted in `notes`. kFailed, with the line, for malformed lists
 /// of codes and labels; kFailed if nothing of the tree fits, and for cycles of paths. Messages call the tree
 /// `file`. Cost: linear in sources and lines; a line with a pattern or codes takes a pass over the sources.

@@ -1,26 +1,23 @@
-// Construction of a graph: lookup of sources, default colours, and the structures while they are placed.
+// Construction of a graph: lookup of sources, and the structures while they are placed.
 #pragma once
 
 #include <algorithm>
-#include <cmath>
-#include <map>
 #include <optional>
-#include <set>
 #include <span>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "format/content/structure_graph.h"
 #include "format/text/ascii_text.h"
 #include "preprocess/import/tables/names_table.h"
-#include "preprocess/import/tables/text_file.h"
+#include "preprocess/structures/build_graph.h"
 
 namespace splatlas {
 
@@ -56,59 +53,6 @@ class SourceLookup {
   std::unordered_map<std::int64_t, StructureIndex> source_of_label_;
 };
 
-/// Colours of one atlas.
-class DefaultColors {
- public:
-  /// The anatomical colour of the name, or else of a term, up to a fifth darker so that structures differ.
-  /// Without one, the n-th distinct colour.
-  [[nodiscard]] Rgb next(std::string_view name, std::span<const Term> terms, std::size_t n) {
-    std::optional<Rgb> color = find(name);
-    for (const Term& term : terms) color = color ? color : find(term.value);
-    if (!color) return default_color(n);
-    Rgb darker = *color;
-    for (int tries = 0; tries < 100; ++tries) {
-      const double shade = 1 - 0.2 * std::fmod(0.618034 * tries, 1);  // golden steps spread evenly
-      const auto channel = [&](std::uint8_t c) { return static_cast<std::uint8_t>(std::lround(shade * c)); };
-      darker = {channel(color->r), channel(color->g), channel(color->b)};
-      if (given_.insert(to_hex(darker)).second) break;
-    }
-    return darker;
-  }
-
- private:
-  /// Of the entries among the words of a name, that of most words, and of these the last. Entries fit plurals
-  /// in "s", and words with a number behind them.
-  static std::optional<Rgb> find(std::string_view name) {
-    static const std::map<std::string, Rgb> kColorOf = [] {
-      constexpr std::string_view kLines =
-#include "preprocess/structures/anatomical_colors.txt"
-          ;
-      std::map<std::string, Rgb> colors;
-      for (const std::string_view line : split(kLines, '\n')) {
-        for (const std::string_view entry : split(line, '|'))  // the first is the colour itself
-          colors.emplace(entry, *parse_color(line.substr(0, 7)));
-      }
-      return colors;
-    }();
-    std::vector<std::string> words = words_of(name);
-    for (std::string& word : words)  // "rib12"
-      word.resize(std::min(word.find_last_not_of("0123456789"), word.size() - 1) + 1);
-    for (std::size_t count = std::min<std::size_t>(words.size(), 5); count > 0; --count) {
-      for (std::size_t end = words.size(); end >= count; --end) {
-        const std::string entry =
-            fmt::format("{}", fmt::join(std::span(words).subspan(end - count, count), " "));
-        auto found = kColorOf.find(entry);
-        if (found == kColorOf.end() && entry.ends_with('s'))
-          found = kColorOf.find(entry.substr(0, entry.size() - 1));
-        if (found != kColorOf.end()) return found->second;
-      }
-    }
-    return std::nullopt;
-  }
-
-  std::set<std::string> given_;
-};
-
 /// Gives ids from names: "Thalamus", and "Thalamus_2" if that is taken. The order of calls decides.
 class UniqueIds {
  public:
@@ -129,8 +73,8 @@ class UniqueIds {
 /// Numbers sources and groups by their first use, and collects their parents.
 class GraphParts {
  public:
-  GraphParts(const StructureGraph& flat, UniqueIds& ids, DefaultColors& colors)
-      : flat_(flat), ids_(ids), colors_(colors), index_of_source_(flat.size(), kNoStructure) {}
+  GraphParts(const StructureGraph& flat, UniqueIds& ids)
+      : flat_(flat), ids_(ids), index_of_source_(flat.size(), kNoStructure) {}
 
   /// The structure of a source, placed at its first use.
   StructureIndex place_source(StructureIndex source) {
@@ -146,7 +90,7 @@ class GraphParts {
     Structure group;
     group.id = ids_.claim(map == kNoStructure ? name : structures_[map].name + " " + name);
     group.name = name;
-    group.color = colors_.next(name, {}, structures_.size());
+    group.color = anatomical_color(name, {}).value_or(default_color(structures_.size()));
     structures_.push_back(std::move(group));
     return static_cast<StructureIndex>(structures_.size() - 1);
   }
@@ -168,20 +112,23 @@ class GraphParts {
     structures_[side].color = structures_[whole].color;
   }
 
-  void set_color(StructureIndex structure, Rgb color) { structures_[structure].color = color; }
+  void set_color(StructureIndex structure, Rgb color) {
+    structures_[structure].color = color;
+    colored_.insert(structure);
+  }
 
   /// Places the sources that no line mentions. The structures and [source number]: structure.
-  std::pair<std::vector<Structure>, std::vector<StructureIndex>> finish() {
+  auto finish() {
     for (StructureIndex n = 0; n < index_of_source_.size(); ++n) place_source(n);
-    return {std::move(structures_), std::move(index_of_source_)};
+    return std::tuple(std::move(structures_), std::move(index_of_source_), std::move(colored_));
   }
 
  private:
   const StructureGraph& flat_;
   UniqueIds& ids_;
-  DefaultColors& colors_;
   std::vector<Structure> structures_;
   std::vector<StructureIndex> index_of_source_;
+  std::unordered_set<StructureIndex> colored_;  // by the tree
 };
 
 }  // namespace splatlas

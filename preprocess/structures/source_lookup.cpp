@@ -1,4 +1,8 @@
 #include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "format/result_macros.h"
 #include "format/selection/glob.h"
@@ -24,6 +28,37 @@ std::optional<StructureIndex> find_only(const Map& map, const Key& key) {
 }
 
 }  // namespace
+
+/// Of the entries among the words of a name, that of most words, and of these the last. Entries fit plurals
+/// in "s", and words with a number behind them.
+std::optional<Rgb> anatomical_color(std::string_view name, std::span<const Term> terms) {
+  static const std::map<std::string, Rgb> kColorOf = [] {
+    constexpr std::string_view kLines =
+#include "preprocess/structures/anatomical_colors.txt"
+        ;
+    std::map<std::string, Rgb> colors;
+    for (const std::string_view line : split(kLines, '\n')) {
+      for (const std::string_view entry : split(line, '|'))  // the first is the colour itself
+        colors.emplace(entry, *parse_color(line.substr(0, 7)));
+    }
+    return colors;
+  }();
+  std::vector<std::string> words = words_of(name);
+  for (std::string& word : words)  // "rib12"
+    word.resize(std::min(word.find_last_not_of("0123456789"), word.size() - 1) + 1);
+  for (std::size_t count = std::min<std::size_t>(words.size(), 5); count > 0; --count) {
+    for (std::size_t end = words.size(); end >= count; --end) {
+      const std::string entry =
+          fmt::format("{}", fmt::join(std::span(words).subspan(end - count, count), " "));
+      auto found = kColorOf.find(entry);
+      if (found == kColorOf.end() && entry.ends_with('s'))
+        found = kColorOf.find(entry.substr(0, entry.size() - 1));
+      if (found != kColorOf.end()) return found->second;
+    }
+  }
+  if (terms.empty()) return std::nullopt;
+  return anatomical_color(terms.front().value, terms.subspan(1));
+}
 
 SourceLookup::SourceLookup(std::span<const SourceStructure> sources, StructureGraph flat,
                            const std::string* group)

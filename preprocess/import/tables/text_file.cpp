@@ -235,6 +235,21 @@ std::vector<std::string> words_of(std::string_view name) {
   return words;
 }
 
+SidedName sided_name(std::string_view name) {
+  std::vector<std::string> words = words_of(name);
+  SidedName sided;
+  for (std::size_t n = 0; n < words.size(); ++n) {
+    std::string& word = words[n];
+    const bool is_letter = (word == "l" || word == "r") && (n == 0 || n + 1 == words.size());
+    if (!is_letter && word != "left" && word != "right" && word != "lh" && word != "rh") continue;
+    if (sided.side != 0) return {};
+    sided.side = word[0];
+    word = "*";
+  }
+  sided.rest = fmt::format("{}", fmt::join(words, " "));
+  return sided;
+}
+
 std::string name_key(std::string_view name) {
   return to_lower(trimmed(name));
 }

@@ -67,6 +67,14 @@ inline constexpr std::size_t kMaxNameCharacters = 200;
 /// The words of a name, in lower case: "LeftKidney" and "left_kidney" have two.
 [[nodiscard]] std::vector<std::string> words_of(std::string_view name);
 
+/// The side that a name tells, and the name with "*" in its place.
+struct SidedName {
+  char side = 0;  ///< 'l', 'r', or 0
+  std::string rest;
+};
+
+[[nodiscard]] SidedName sided_name(std::string_view name);
+
 /// Normalized name for comparisons: trimmed, ASCII letters in lower case.
 [[nodiscard]] std::string name_key(std::string_view name);
 

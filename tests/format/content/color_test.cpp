@@ -1,9 +1,5 @@
 #include "format/content/color.h"
 
-#include <algorithm>
-#include <cmath>
-#include <set>
-
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -30,23 +26,6 @@ TEST(Color, RefusesEverythingElse) {
 RC_GTEST_PROP(Color, HexRoundTrip, (std::uint8_t r, std::uint8_t g, std::uint8_t b)) {
   const Rgb color{r, g, b};
   RC_ASSERT(*parse_color(to_hex(color)) == color);
-}
-
-TEST(Color, DefaultColorsAreDistinctAndNeverTooDark) {
-  std::set<std::string> seen;
-  for (std::size_t n = 0; n < 512; ++n) {
-    const Rgb c = default_color(n);
-    EXPECT_TRUE(seen.insert(to_hex(c)).second) << n;
-    EXPECT_GE(std::max({c.r, c.g, c.b}), 200) << n;
-  }
-}
-
-TEST(Color, NeighbouringDefaultColorsAreFarApart) {
-  const auto distance = [](Rgb a, Rgb b) { return std::hypot(a.r - b.r, a.g - b.g, a.b - b.b); };
-  for (std::size_t n = 0; n < 200; ++n) {
-    EXPECT_GT(distance(default_color(n), default_color(n + 1)), 60) << n;
-    EXPECT_GT(distance(default_color(n), default_color(n + 2)), 60) << n;
-  }
 }
 
 TEST(Color, LinearLightFollowsTheStandard) {

@@ -128,6 +128,19 @@ TEST(DistinctColors, AreUsedEquallyOften) {
   for (const auto& [color, count] : uses) EXPECT_EQ(count, 3) << color;
 }
 
+TEST(DistinctColors, AreShadesOfWishesApartForAllSights) {
+  for (const Rgb wish : {Rgb{0xe6, 0xdc, 0xc3}, {0xc8, 0x35, 0x2e}, {0x3d, 0x62, 0xad}, {0xa5, 0x49, 0x3f}}) {
+    const std::vector<std::optional<Rgb>> given(3), wishes(3, wish);
+    const std::vector<Rgb> colors = distinct_colors(clique(3), given, wishes);
+    EXPECT_EQ(colors[0], wish);
+    for (const Sight sight : kSights) {
+      for (std::size_t n = 0; n < 3; ++n)
+        EXPECT_GE(color_distance(colors[n], colors[(n + 1) % 3], sight), kLeast) << to_hex(wish);
+    }
+    EXPECT_EQ(distinct_colors(Neighbors(3), given, wishes), std::vector(3, wish));
+  }
+}
+
 TEST(DistinctColors, StayWhereGivenAndKeepAwayFromThese) {
   const Neighbors neighbors = clique(kColors);
   const std::vector<Rgb> palette = distinct_colors(neighbors, std::vector<std::optional<Rgb>>(kColors));

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <random>
 
 #include <gmock/gmock.h>
@@ -109,6 +110,29 @@ TEST_F(BuildAtlas, ColoursThatNobodyGivesKeepNeighboursApart) {
   const auto expected =
       distinct_colors(touching_structures(given.size(), content.classes, runs.classes, size), given);
   for (StructureIndex s = 0; s < given.size(); ++s) EXPECT_EQ(content.graph[s].color, expected[s]) << s;
+}
+
+TEST_F(BuildAtlas, ColoursOfAnatomyKeepNeighboursApart) {
+  // In a row: label 7 has the table's colour from its author, 9 is alone, and 4 to 6 mirror 1 to 3
+  const std::string row = "112233006655440077880099";
+  BuildOptions build_options = options();
+  build_options.sources.labels =
+      write("row.nrrd", byte_image({.size = {24, 2, 2}}, [&](auto i, auto, auto) { return row[i] - '0'; }));
+  std::ofstream(build_options.sources.names = file("names.csv"))
+      << "label,name,color\n1,rib L1 left,\n2,rib 2 left,\n3,Left rib 3,\n4,rib L1 right,\n5,rib 2 right,\n"
+         "6,Right rib 3,\n7,aorta,#c8352e\n8,renal artery,\n9,femur,\n";
+  std::map<char, Rgb> colors;
+  for (const Structure& s : build(build_options).graph.structures())
+    colors[row[row.find(std::to_string(*s.label))]] = s.color;
+  for (std::size_t n = 1; n < row.size(); ++n) {
+    if (row[n - 1] == row[n] || row[n - 1] == '0' || row[n] == '0') continue;
+    const Rgb left = colors[row[n - 1]], right = colors[row[n]];
+    for (const Sight sight : kSights) EXPECT_GE(color_distance(left, right, sight), 0.112) << row[n];
+    EXPECT_LE(color_distance(left, right, Sight::kNormal), row[n] < '7' ? 0.13 : 0.25);  // one step, or two
+  }
+  for (const char label : {'2', '9'}) EXPECT_EQ(to_hex(colors[label]), "#e6dcc3") << label;
+  EXPECT_EQ(to_hex(colors['7']), "#c8352e");
+  for (const char left : {'1', '2', '3'}) EXPECT_EQ(colors[left], colors[left + 3]) << left;
 }
 
 TEST_F(BuildAtlas, ThreadsDoNotChangeTheFile) {
