@@ -10,9 +10,9 @@ case ${1-} in
   --demo) sets='player|demo' ;;
   --debian) sets='player|demo|python|debian' ;;
   --player) sets=player ;;
-  --arm64) sets=arm64 ;;
+  --all) sets=all ;;
   --help | -h) cat install_packages.txt; exit 0 ;;
-  *) printf 'install_packages: %s: must be --demo, --player, --debian, --arm64 or --help\n' "$1" >&2; exit 2 ;;
+  *) printf 'install_packages: %s: must be --demo, --player, --debian, --all or --help\n' "$1" >&2; exit 2 ;;
 esac
 mapfile -t packages < <(awk -v sets="^($sets)\$" '$1 ~ sets { print $2 }' packages.txt)
 

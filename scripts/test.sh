@@ -102,7 +102,8 @@ else
   step "Player without ITK and VTK: build" build player-only
   step "Player without ITK and VTK: tests" run_tests player-only
   step "Player without ITK and VTK" check_player_alone
-  step "arm64: compiler" scripts/install_packages.sh --arm64
+  step "More packages" scripts/install_packages.sh --all
+  SPLATLAS_BROWSER=/usr/bin/firefox-esr step "Page in Firefox" run_tests release --tests-regex '^web[.](n|pa|b)'
   step "arm64: libraries" scripts/arm64_sysroot.sh
   step "arm64: build" build arm64 checks-format checks-player checks-kernels splatlas-player
   step "arm64: tests" run_tests arm64 --label-regex '^(format|player|kernels)$' --exclude-regex allocation_faults
@@ -112,7 +113,6 @@ else
   fix_addresses
   step "Thread sanitizer: build" build tsan
   step "Thread sanitizer: tests" run_tests tsan --label-regex '^(format|player)$'
-  # Seven targets, two per core, 1200 seconds each: 40 minutes on two cores.
   step "Fuzzing" env FUZZ_JOBS=$((2 * $(nproc))) scripts/fuzz.sh 1200
 fi
 

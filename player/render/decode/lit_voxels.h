@@ -51,7 +51,7 @@ using LitBlocks = std::vector<LitBlock>;
                                              const std::array<float, 3>& color) {
   const auto is_same = [](float a, float b) { return std::abs(a - b) < 2e-6f; };
   if (blocks.empty() || blocks.back().block != block ||
-      !std::ranges::equal(blocks.back().color, color, is_same)) {
+      !std::equal(color.begin(), color.end(), blocks.back().color.begin(), is_same)) {
     LitBlock& next = blocks.emplace_back();
     next.block = block;
     next.color = color;

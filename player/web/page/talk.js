@@ -216,8 +216,8 @@ const Talk = {
     document.addEventListener('pointermove', event => {
       dot.style.transform = `translate(${event.clientX}px, ${event.clientY}px)`;
     });
-    document.addEventListener('fullscreenchange', () => {
-      if (!document.fullscreenElement) delete document.body.dataset.large;
+    document.addEventListener('fullscreenchange', () => {  // browsers take the Escape that ends it
+      if (!document.fullscreenElement) for (const what of ['black', 'large']) delete document.body.dataset[what];
     });
     document.addEventListener('pointerdown', () => { delete document.body.dataset.black; });
   },
