@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <variant>
-#include <vector>
 
 #include <fmt/format.h>
 

@@ -4,7 +4,6 @@
 #include "format/codec/mask_codec.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "format/result_macros.h"

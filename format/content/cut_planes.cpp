@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"

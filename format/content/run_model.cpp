@@ -1,7 +1,6 @@
 #include "format/content/run_model.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 
 #include "format/result_macros.h"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 #include <unordered_set>
-#include <utility>
 
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"

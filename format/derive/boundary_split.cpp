@@ -1,9 +1,7 @@
 #include "format/derive/boundary_split.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
-#include <cstdint>
 #include <limits>
 
 #include "format/tasks/task_control.h"

@@ -1,7 +1,6 @@
 #include "format/derive/coarse_surface.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <iterator>

@@ -4,9 +4,7 @@
 #include <cmath>
 #include <numeric>
 #include <tuple>
-#include <utility>
 
-#include "format/derive/surface_net.h"
 #include "format/tasks/task_control.h"
 
 namespace splatlas {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "format/result_macros.h"
+#include "format/tasks/task_control.h"
 
 namespace splatlas {
 namespace {
@@ -48,6 +49,20 @@ Result<std::vector<std::int64_t>> labels_of_classes(const AtlasContent& content,
   return labels;
 }
 
+/// The values [class] in the voxels.
+VoxelBuffer voxels_of(const AtlasContent& content, VoxelType type, const std::vector<std::int64_t>& values) {
+  VoxelBuffer stored{type, std::vector<std::byte>(content.class_volume.size() * bytes_of(type))};
+  visit_voxel_type(type, [&]<typename T>(T) {
+    T* voxel = stored.as<T>();
+    TaskPace pace;
+    for (const ClassId c : content.class_volume) {
+      *voxel++ = static_cast<T>(values[c]);
+      pace.step();
+    }
+  });
+  return to_source_order(stored, content);
+}
+
 }  // namespace
 
 VoxelBuffer to_source_order(const VoxelBuffer& stored, const AtlasContent& content) {
@@ -57,19 +72,20 @@ VoxelBuffer to_source_order(const VoxelBuffer& stored, const AtlasContent& conte
   return source;
 }
 
+VoxelBuffer mask_of(const AtlasContent& content, const std::vector<bool>& wanted) {
+  std::vector<std::int64_t> in_class(content.classes.size());
+  for (ClassId c = 0; c < in_class.size(); ++c) {
+    for (const Membership& m : content.classes.members(c))
+      if (m.holds() && wanted[m.structure]) in_class[c] = 1;
+  }
+  return voxels_of(content, VoxelType::kUInt8, in_class);
+}
+
 Result<VoxelBuffer> label_map(const AtlasContent& content, const std::string& name, std::string_view remedy,
                               const std::vector<bool>& wanted) {
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::int64_t> labels,
                             labels_of_classes(content, name, remedy, wanted));
-  VoxelBuffer stored{content.label_type,
-                     std::vector<std::byte>(content.class_volume.size() * bytes_of(content.label_type))};
-  visit_voxel_type(stored.type, [&]<typename T>(T) {
-    T* const voxels = stored.as<T>();
-    for (std::size_t v = 0; v < content.class_volume.size(); ++v) {
-      voxels[v] = static_cast<T>(labels[content.class_volume[v]]);
-    }
-  });
-  return to_source_order(stored, content);
+  return voxels_of(content, content.label_type, labels);
 }
 
 }  // namespace splatlas

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <utility>
 
 #include "format/tasks/free_memory.h"
 #include "format/tasks/task_control.h"

@@ -7,7 +7,6 @@
 #include <map>
 #include <numeric>
 #include <type_traits>
-#include <utility>
 
 #include "format/tasks/task_control.h"
 

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "format/codec/value_codec.h"
-#include "format/derive/value_groups.h"
 #include "format/io/checksum.h"
 #include "format/result_macros.h"
 

@@ -1,11 +1,9 @@
 #include "format/io/input_file.h"
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <limits>
 #include <optional>
-#include <utility>
 
 #include <fcntl.h>
 #include <sys/mman.h>

@@ -4,7 +4,6 @@
 #include <cstring>
 #include <exception>
 #include <new>
-#include <string>
 
 #include "format/io/memory_limit.h"
 #include "format/result_macros.h"

@@ -1,6 +1,5 @@
 #include "format/tasks/thread_pool.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "format/tasks/task_control.h"

@@ -1,7 +1,6 @@
 #include "format/text/ascii_text.h"
 
 #include <sstream>
-#include <utility>
 
 #include <fmt/format.h>
 #include <utf8cpp/utf8.h>

@@ -1,13 +1,9 @@
 #include "player/files/draw_annotations.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
 #include <iterator>
 #include <string_view>
-#include <vector>
 
 #include <dlfcn.h>
 #include <fmt/format.h>

@@ -1,7 +1,6 @@
 #include "player/files/picture_encoder.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstring>
@@ -11,7 +10,6 @@
 
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"
-#include "player/files/draw_annotations.h"
 #include "player/write_png.h"
 
 namespace splatlas {

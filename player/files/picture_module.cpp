@@ -1,7 +1,6 @@
 #include "player/files/picture_module.h"
 
 #include <algorithm>
-#include <cstddef>
 #include <cstdio>
 #include <exception>
 #include <memory>

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstring>
 #include <numbers>
-#include <utility>
 
 #include <cairo-pdf.h>
 #include <cairo.h>

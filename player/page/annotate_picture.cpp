@@ -5,8 +5,6 @@
 
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"
-#include "player/page/page_layout.h"
-#include "player/page/place_labels.h"
 
 namespace splatlas {
 namespace {

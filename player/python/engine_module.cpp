@@ -1,15 +1,16 @@
 // splatlas._engine: atlases as arrays, and pictures of a PageEngine, for the package in splatlas/.
 // Calls of one Player take turns. Work is done on threads of its own, so that Ctrl+C ends it.
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdint>
-#include <filesystem>
 #include <future>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -41,17 +42,48 @@ T value_or_fail(Result<T> result, const std::string& subject = {}) {
   if constexpr (!std::is_void_v<T>) return *std::move(result);
 }
 
-/// Without the interpreter.
-template <typename Work>
-auto released(const Work& work) {
-  const py::gil_scoped_release release;
-  return work();
+std::atomic<std::thread::id> ending_thread;  // of Python, once it ends
+std::atomic<int> threads_away = 0;           // without the interpreter
+
+/// Python ends on another thread, and kills threads that ask for the interpreter: they sleep instead.
+bool is_left_behind() {
+  const std::thread::id ending = ending_thread;
+  return ending != std::thread::id() && ending != std::this_thread::get_id();
 }
 
-/// Ctrl+C ends `work`, a task with the budget on a thread of its own: this one asks the interpreter every 50
-/// ms, as waiting for it takes time.
+[[noreturn]] void sleep_forever() {
+  for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
+}
+
+/// Waits for threads whose work ends with Python, at most ten seconds.
+void end_python() {
+  ending_thread = std::this_thread::get_id();
+  for (int tries = 0; threads_away > 0 && tries < 1000; ++tries) {
+    const py::gil_scoped_release release;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+}
+
+/// Waits 50 ms without the interpreter, or until stopped work has ended.
+template <typename T>
+bool is_ready(const std::future<T>& result, std::stop_source& stop) {
+  ++threads_away;
+  PyThreadState* const state = PyEval_SaveThread();
+  const auto status = result.wait_for(std::chrono::milliseconds(50));
+  const bool is_left = is_left_behind();
+  if (is_left) stop.request_stop();
+  if (stop.stop_requested()) result.wait();
+  if (is_left) --threads_away, sleep_forever();
+  PyEval_RestoreThread(state);
+  --threads_away;
+  return status == std::future_status::ready;
+}
+
+/// Ctrl+C and Python's end end `work`, a task with the budget on a thread of its own: this one asks for them
+/// every 50 ms, as waiting for the interpreter takes time.
 template <typename Work>
 auto interruptible(const WorkBudget* budget, const Work& work) {
+  if (is_left_behind()) PyEval_SaveThread(), sleep_forever();
   std::stop_source stop;
   auto result = std::async(std::launch::async, [&] {
     try {
@@ -61,38 +93,33 @@ auto interruptible(const WorkBudget* budget, const Work& work) {
       throw over.error();
     }
   });
-  while (released([&] { return result.wait_for(std::chrono::milliseconds(50)); }) !=
-         std::future_status::ready) {
+  while (!is_ready(result, stop)) {
     if (PyErr_CheckSignals() == 0) continue;
     stop.request_stop();
-    released([&] { result.wait(); });
+    is_ready(result, stop);
     throw py::error_already_set();
   }
   return result.get();
 }
 
-/// An array that owns `values`: columns first (the first index varies fastest) or rows first.
+/// An array that owns `values`.
 template <typename T>
-py::array array_of(std::vector<T> values, const py::dtype& type, const Shape& shape,
-                   bool columns_first = false) {
+py::array array_of(std::vector<T> values, const py::dtype& type, const Shape& shape) {
   auto kept = std::make_unique<std::vector<T>>(std::move(values));
   void* const data = kept->data();
   const py::capsule owner(kept.get(), [](void* p) { delete static_cast<std::vector<T>*>(p); });
   static_cast<void>(kept.release());
-  const auto bytes = type.itemsize();
-  return {type, shape,
-          columns_first ? py::detail::f_strides(shape, bytes) : py::detail::c_strides(shape, bytes), data,
-          owner};
+  return {type, shape, data, owner};
 }
 
 /// What `read` makes of the content without grey values: voxels in the order of the source.
 template <typename Read>
-py::array voxels(const Atlas& atlas, const Read& read) {
+py::object voxels(const Atlas& atlas, const Read& read) {
   VoxelBuffer buffer = interruptible(&atlas.work_budget(),
                                      [&] { return read(value_or_fail(atlas.read_classes(), atlas.name())); });
   const py::dtype type(name_of(buffer.type));
   const auto& size = atlas.source_grid().size;
-  return array_of(std::move(buffer.bytes), type, {size[0], size[1], size[2]}, true);
+  return array_of(std::move(buffer.bytes), type, {size[2], size[1], size[0]}).attr("T");
 }
 
 /// An atlas and its renderer.
@@ -118,7 +145,7 @@ class Player {
       if (std::exchange(select_, select) != select) ++selections_;
       selection = selections_;
       std::string answer = answer_of(request);
-      frame = engine_.take_frame(take_spare());
+      frame = engine_.take_frame({});
       return answer;
     });
   }
@@ -130,12 +157,6 @@ class Player {
                   "the renderer shows another selection by now; render the picture again to pick in it",
                   {}};
     });
-  }
-
-  /// Keeps the memory of a picture for the next one.
-  void recycle(Frame frame) {
-    const std::lock_guard lock(spare_mutex_);
-    spare_ = std::move(frame);
   }
 
  private:
@@ -155,19 +176,12 @@ class Player {
     throw Error{static_cast<ErrorCode>(answer.status - 1), answer.text, answer.subject};
   }
 
-  Frame take_spare() {
-    const std::lock_guard lock(spare_mutex_);
-    return std::exchange(spare_, {});
-  }
-
   std::shared_ptr<const Atlas> atlas_;
   RendererOptions options_;
   std::timed_mutex mutex_;  // of what follows
   PageEngine engine_;
   std::string select_;
   std::size_t selections_ = 0;
-  std::mutex spare_mutex_;
-  Frame spare_;
 };
 
 /// A picture, and what it shows.
@@ -179,9 +193,6 @@ class Drawing {
     if (background) background_ = value_or_fail(parse_color(*background), "background");
     answer = player_->draw(request, select, frame_, selection_);
   }
-  ~Drawing() { player_->recycle(std::move(frame_)); }
-  Drawing(const Drawing&) = delete;
-  Drawing& operator=(const Drawing&) = delete;
 
   [[nodiscard]] Shape shape() const { return {frame_.picture.size.height, frame_.picture.size.width}; }
 
@@ -244,7 +255,7 @@ void check_type(const Atlas& atlas, VoxelType type, const char* fault) {
   if (type == VoxelType::kNone) throw Error{ErrorCode::kFailed, atlas.name() + ": " + fault, atlas.name()};
 }
 
-py::array labels(const Player& player, const std::vector<StructureIndex>& structures) {
+py::object labels(const Player& player, const std::vector<StructureIndex>& structures) {
   const Atlas& atlas = player.atlas();
   check_type(atlas, atlas.label_type(), "was built without a label map; use mask()");
   return voxels(atlas, [&](const AtlasContent& content) {
@@ -253,25 +264,13 @@ py::array labels(const Player& player, const std::vector<StructureIndex>& struct
   });
 }
 
-py::array mask(const Player& player, const std::vector<StructureIndex>& structures) {
+py::object mask(const Player& player, const std::vector<StructureIndex>& structures) {
   const Atlas& atlas = player.atlas();
-  const py::array bytes = voxels(atlas, [&](const AtlasContent& content) {
-    const std::vector<bool> is_wanted = below(atlas.graph(), structures);
-    std::vector<std::byte> in_class(content.classes.size());
-    for (ClassId c = 0; c < content.classes.size(); ++c) {
-      for (const Membership& m : content.classes.members(c)) {
-        if (m.holds() && is_wanted[m.structure]) in_class[c] = std::byte{1};
-      }
-    }
-    VoxelBuffer stored{VoxelType::kUInt8, {}};
-    stored.bytes.reserve(content.class_volume.size());
-    for (const ClassId c : content.class_volume) stored.bytes.push_back(in_class[c]);
-    return to_source_order(stored, content);
-  });
-  return bytes.attr("view")("bool");
+  return voxels(
+      atlas, [&](const AtlasContent& content) { return mask_of(content, below(atlas.graph(), structures)); });
 }
 
-py::array volume(const Player& player) {
+py::object volume(const Player& player) {
   const Atlas& atlas = player.atlas();
   check_type(atlas, atlas.value_type(), "has no grey values; build it with a volume");
   return voxels(atlas, [&](const AtlasContent& content) {
@@ -280,36 +279,33 @@ py::array volume(const Player& player) {
   });
 }
 
-/// Vertices in RAS mm, triangles and normals of the structures and their descendants.
+/// Vertices in mm, triangles and normals of the structures and their descendants, in LPS.
 py::tuple surface(const Player& player, const std::vector<StructureIndex>& structures) {
   const Atlas& atlas = player.atlas();
-  std::vector<double> vertices;
-  std::vector<float> normals;
-  std::vector<std::uint32_t> triangles;
+  std::vector<Vec3> vertices;
+  SurfaceMesh all;
   interruptible(&atlas.work_budget(), [&] {
     const Affine to_lps = index_to_lps_mm(atlas.grid());
     for (const StructureIndex s : atlas.graph().descendants(structures)) {
       const SurfaceMesh mesh = value_or_fail(atlas.read_surface(s), atlas.name());
-      const auto first = static_cast<std::uint32_t>(vertices.size() / 3);
-      for (const auto& [i, j, k] : mesh.positions_ijk) {
-        const auto [left, posterior, superior] = to_lps.apply({i, j, k});
-        vertices.insert(vertices.end(), {-left, -posterior, superior});
-      }
-      for (const auto& [left, posterior, superior] : mesh.normals_lps)
-        normals.insert(normals.end(), {-left, -posterior, superior});
-      for (const auto& corners : mesh.triangles)
-        for (const std::uint32_t corner : corners) triangles.push_back(first + corner);
+      const auto first = static_cast<std::uint32_t>(vertices.size());
+      all.normals_lps.insert(all.normals_lps.end(), mesh.normals_lps.begin(), mesh.normals_lps.end());
+      for (const auto& [i, j, k] : mesh.positions_ijk) vertices.push_back(to_lps.apply({i, j, k}));
+      check_task();
+      for (const auto& [a, b, c] : mesh.triangles) all.triangles.push_back({first + a, first + b, first + c});
     }
   });
-  const auto rows = [](const auto& values) { return Shape{static_cast<py::ssize_t>(values.size() / 3), 3}; };
-  const Shape vertex_rows = rows(vertices), triangle_rows = rows(triangles);
-  return py::make_tuple(array_of(std::move(vertices), py::dtype::of<double>(), vertex_rows),
-                        array_of(std::move(triangles), py::dtype::of<std::uint32_t>(), triangle_rows),
-                        array_of(std::move(normals), py::dtype::of<float>(), vertex_rows));
+  const auto rows = [](auto values, const char* type) {
+    const auto size = static_cast<py::ssize_t>(values.size());
+    return array_of(std::move(values), py::dtype(type), {size, 3});
+  };
+  return py::make_tuple(rows(std::move(vertices), "f8"), rows(std::move(all.triangles), "u4"),
+                        rows(std::move(all.normals_lps), "f4"));
 }
 
 PYBIND11_MODULE(_engine, module) {
   static py::object& error_type = *new py::object(py::exception<Error>(module, "Error"));  // outlives Python
+  error_type.attr("__doc__") = "Of an atlas, a selection, a file or a program; see kind and subject.";
   error_type.attr("kind") = "failed";
   error_type.attr("subject") = "";
   py::register_exception_translator([](std::exception_ptr thrown) {
@@ -323,9 +319,11 @@ PYBIND11_MODULE(_engine, module) {
       PyErr_SetObject(error_type.ptr(), error.ptr());
     }
   });
+  pthread_atfork(nullptr, nullptr, [] { threads_away = 0; });
+  py::module_::import("atexit").attr("register")(py::cpp_function(&end_python));
   py::class_<Player, std::shared_ptr<Player>>(module, "Player")
       .def(py::init([](const std::string& path, unsigned threads, std::uint64_t memory, double max_work) {
-        return released([&] {
+        return interruptible(nullptr, [&] {
           auto atlas = value_or_fail(Atlas::open(path, AtlasOptions{max_work, memory}), path);
           return std::make_shared<Player>(std::move(atlas), RendererOptions{threads, memory});
         });
@@ -348,18 +346,10 @@ PYBIND11_MODULE(_engine, module) {
       .def("_save", &Drawing::save)
       .def("_pick", &Drawing::pick)
       .def("_repr_png_", &Drawing::png)
-      .def_property_readonly("array", &Drawing::srgb,
-                             "(height, width, 3) uint8: sRGB; with background None (height, width, 4), the "
-                             "last is straight alpha.")
-      .def_property_readonly("linear", &pixels<4, &Frame::picture, &Picture::rgba>,
-                             "(height, width, 4) float32: linear RGB, premultiplied by alpha, without "
-                             "background. Read only.")
-      .def_property_readonly("ids", &pixels<1, &Frame::ids, &IdImage::numbers>,
-                             "(height, width) uint16: 1 + index of the structure of each pixel, 0 for none; "
-                             "None without ids=True. Read only.")
-      .def_property_readonly("depth", &pixels<1, &Frame::depths, &DepthMap::mm>,
-                             "(height, width) float32: mm behind the plane of the centre, inf for none; None "
-                             "without depth=True. Read only.");
+      .def_property_readonly("array", &Drawing::srgb)
+      .def_property_readonly("linear", &pixels<4, &Frame::picture, &Picture::rgba>)
+      .def_property_readonly("ids", &pixels<1, &Frame::ids, &IdImage::numbers>)
+      .def_property_readonly("depth", &pixels<1, &Frame::depths, &DepthMap::mm>);
   module.def("parse_cuts", [](const std::string& text) {
     std::vector<std::pair<Vec3, double>> planes;
     for (const CutPlane& plane : value_or_fail(parse_cuts(text), "cuts"))

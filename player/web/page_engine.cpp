@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <exception>
 #include <new>
-#include <span>
 #include <stdexcept>
 #include <unordered_map>
-#include <utility>
 
 #include <nlohmann/json.hpp>
 

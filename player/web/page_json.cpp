@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <string>
 #include <string_view>
 #include <utility>
 
@@ -12,7 +11,6 @@
 
 #include "format/result_macros.h"
 #include "format/text/json_text.h"
-#include "player/camera.h"
 #include "player/camera_moves.h"
 
 namespace splatlas {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <string>
-#include <utility>
 
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"

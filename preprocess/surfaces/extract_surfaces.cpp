@@ -1,7 +1,6 @@
 #include "preprocess/surfaces/extract_surfaces.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "format/derive/fit_surface.h"
 #include "format/derive/structure_crop.h"

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
-#include <string>
-#include <utility>
 
 #include <vtkCellArray.h>
 #include <vtkFloatArray.h>

@@ -1,14 +1,20 @@
 """The package splatlas: arrays against nibabel and closed forms, pictures against splatlas-player."""
 import concurrent.futures
+import dataclasses
 import functools
+import inspect
+import itertools
 import os
 import pathlib
 import re
 import resource
 import signal
 import subprocess
+import sys
 import tempfile
 import threading
+import time
+import timeit
 import unittest
 import warnings
 
@@ -196,10 +202,29 @@ class Package(unittest.TestCase):
                       lambda: self.build(labels=boxes().astype(complex), affine=np.eye(4)),
                       lambda: self.build(labels=np.full(SHAPE, 2**40), affine=np.eye(4)),
                       lambda: self.build(meshes={"a": (np.eye(3), np.array([(0, 1, 3)]))})):
-            self.assertRaises(ValueError, fault)
+            self.assertRaises((TypeError, ValueError), fault)
         atlas.close()
         for closed in (atlas.labels, atlas.volume, atlas.render, atlas.renderer, atlas.show):
             self.assertRaisesRegex(ValueError, "closed", closed)
+
+    def test_arguments_of_wrong_types_are_refused_by_name(self):
+        atlas = self.boxes()
+        picture = atlas.render(size=(8, 8))
+        needed = {"path": "a.png", "output": "a", "x": 1, "y": 1, "name": "Liver", "names": "Liver"}
+        for call in (atlas.render, atlas.find, atlas.labels, atlas.mask, atlas.surface, atlas.show, picture.pick,
+                     picture.save, splatlas.open, splatlas.build):
+            parameters = inspect.signature(call).parameters
+            given = {name: needed[name] for name in parameters if parameters[name].default is inspect.Parameter.empty}
+            for name, value in itertools.product(parameters, (3j, object(), [object()], "\ud800\n", np.zeros((9, 9)))):
+                if (name, type(value)) in (("labels", str), ("volume", str), ("names", str), ("tree", str)):
+                    continue  # paths
+                with self.assertRaisesRegex((TypeError, ValueError), rf"\A{name}: .*must .*\Z", msg=value):
+                    call(**given | {name: value})
+        for camera in ({"zoom": "a"}, {"center": (1, 2)}, {"projection": 5}, {"azimuth": np.nan}):
+            with self.assertRaisesRegex((TypeError, ValueError), r"\Acamera: .*: must be .*\Z"):
+                atlas.render(camera=camera)
+        other = dataclasses.replace(atlas.structures[0], index=10**6)
+        self.assertRaisesRegex(ValueError, "^names: .* another atlas$", lambda: atlas.mask(other))
 
     def test_numbers_of_numpy_structures_and_renderers_are_taken(self):
         atlas = self.boxes()
@@ -243,6 +268,26 @@ class Package(unittest.TestCase):
             self.assertRaises(KeyboardInterrupt, work)
         self.assertEqual(list(self.folder.iterdir()), files)
         atlas.render("Liver", size=(8, 8))
+
+    def test_ctrl_c_ends_arrays(self):
+        large = self.build(labels=np.pad(boxes(), 195), affine=np.eye(4))
+        for work in (large.labels, functools.partial(large.mask, "*")):
+            def seconds(wait):
+                start, timer = time.monotonic(), threading.Timer(wait, signal.raise_signal, [signal.SIGINT])
+                with self.assertRaises(KeyboardInterrupt):
+                    timer.start()
+                    work()
+                    timer.join()
+                return time.monotonic() - start
+            whole = min(timeit.repeat(work, number=1, repeat=3))
+            self.assertLess(min(seconds(whole / 2) for _ in range(5)), 0.85 * whole)  # it was the whole
+
+    def test_threads_that_draw_end_with_python(self):
+        script = "import splatlas, threading, time\natlas = splatlas.open({!r})\ndef draw():\n while True: {}\n" \
+                 "for _ in range(2): threading.Thread(target=draw, daemon=True).start()\ntime.sleep(0.3)"
+        for work in ("atlas.render(size=(64, 64)).array", "splatlas.open(atlas.path).mask('*')"):
+            done = subprocess.run([sys.executable, "-c", script.format(self.boxes().path, work)], capture_output=True)
+            self.assertEqual((done.returncode, done.stderr), (0, b""), work)
 
     def test_threads_share_atlases_and_nothing_leaks(self):
         atlases = [self.boxes(), self.boxes()]

@@ -1,7 +1,6 @@
 #include "format/file/reader/value_cache.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "format/result_macros.h"
 

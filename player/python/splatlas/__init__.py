@@ -10,71 +10,65 @@ selections are `splatlas.Error`, with a kind and a subject; odd things are `spla
 from __future__ import annotations
 
 import contextlib
-import dataclasses
 import json
-import operator
 import os
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, Union
+from typing import Any
 
 import numpy as np
 
 from splatlas import _engine
+from splatlas._arguments import Names, Structure, checked
 from splatlas._engine import Error
 from splatlas._programs import Page, Warning, build, page_of
 
 __all__ = ["Atlas", "Error", "Page", "Picture", "Renderer", "Structure", "Warning", "build", "open"]
 
 
-@dataclasses.dataclass(frozen=True)
-class Structure:
-    """A structure of an atlas; its counts include its descendants."""
-
-    index: int  #: position in `Atlas.structures`; `Picture.ids` holds index + 1
-    id: str
-    name: str
-    parents: tuple[str, ...]  #: ids
-    color: str  #: "#rrggbb"
-    label: int | None  #: value in the source label map
-    terms: tuple[tuple[str, str], ...]  #: vocabulary and value: synonyms, languages, codes
-    voxels: int
-    ml: float
-    triangles: int
-
-
-Names = Union[str, Structure, Iterable[Union[str, Structure]]]
-
-
 class Picture(_engine.Drawing):
-    """A rendered picture. It shows itself in notebooks."""
+    """A rendered picture of (height, width) pixels, row 0 on top. It shows itself in notebooks.
+
+    Attributes
+    ----------
+    array : (height, width, 3) uint8
+        sRGB; with background=None (height, width, 4), the last is straight alpha.
+    linear : (height, width, 4) float32
+        Linear RGB, premultiplied by alpha, without background. Read only.
+    ids : (height, width) uint16, or None without ids=True
+        1 + `Structure.index` of what weighs most in each pixel, 0 for none. Read only.
+    depth : (height, width) float32, or None without depth=True
+        mm behind the plane of the centre; inf where a ray keeps over half its light. Read only.
+    camera, ms : dict and float
+        azimuth, elevation (degrees), zoom, center (RAS mm), projection, fieldOfView (degrees); time of the engine.
+    """
 
     def __init__(self, renderer: Renderer, request: dict, background: str | None):
         self._structures = renderer.atlas.structures
-        super().__init__(renderer._player(), json.dumps(
-            request, allow_nan=False, default=lambda number: number.tolist()), request["select"], background)
+        super().__init__(renderer._player(), json.dumps(request), request["select"], background)
         answer = json.loads(self._answer)
         if "drawn" in answer:  # another selection, whose warnings are told once
             renderer._warnings = answer["warnings"]
         for line in [*renderer._warnings, self._emptiness(), *answer["missing"]]:
             if line:
-                warnings.warn(line, Warning, stacklevel=3)
-        #: camera: azimuth, elevation (degrees), zoom, center (RAS mm), projection, fieldOfView (degrees)
+                warnings.warn(line, Warning, stacklevel=4)
         self.camera: dict[str, Any] = _flipped_center(answer["camera"])
-        self.ms: float = answer["ms"]  #: time of the engine
+        self.ms: float = answer["ms"]
 
+    @checked
     def pick(self, x: float, y: float) -> tuple[Structure, np.ndarray] | None:
-        """The structure at column x and row y, counted from the top left corner, and its point in RAS mm.
+        """The structure at column x and row y, in pixels from the top left corner; pixel [0, 0] is 0 to 1.
 
-        None for the background. One ray decides; of `ids` the whole pixel, which differs at some outlines.
-        Error once the renderer shows another selection.
+        None for the background. The point is (3,) float64 in RAS mm. One ray decides; of `ids` the whole pixel, which
+        differs at some outlines. Raises Error once the renderer shows another selection.
         """
         found = self._pick(x, y)
         return found and (self._structures[found[0]], np.array(_flipped(found[1])))
 
+    @checked
     def save(self, path: str | bytes | os.PathLike) -> None:
-        """Writes .png, .jpg, .tif, .exr (float), .svg or .pdf: whole, or not at all."""
-        self._save(_encoded(path))
+        """Writes .png, .jpg, .tif, .exr (float), .svg or .pdf: whole, or not at all. Raises Error."""
+        self._save(path)  # type: ignore
 
 
 class Renderer:
@@ -92,6 +86,7 @@ class Renderer:
         self.atlas._opened()
         return self._open_player  # type: ignore
 
+    @checked
     def render(self, select: str | None = None, *, scene: str | None = None, size: Sequence[int] = (800, 600),
                view: str | None = None, azimuth: float | None = None, elevation: float | None = None,
                zoom: float = 1, center: Sequence[float] | None = None, focus: str | Structure | None = None,
@@ -124,39 +119,30 @@ class Renderer:
             {"left": 0} removes what lies further left than 0 mm; or texts as of `--cut`, in LPS mm.
         background : str
             "#rrggbb"; None: transparent.
+        ids, depth : bool
+            Fill `Picture.ids` and `Picture.depth`.
         """
         shown = self.atlas._named("scene", scene) if scene is not None else {}
         placed = {key: shown[key] for key in ("azimuth", "elevation", "projection") if key in shown}
         if camera is not None:
             if zoom != 1 or center is not None or focus is not None:
                 raise ValueError("camera: takes the place of zoom, center and focus; change its values instead")
-            placed |= _flipped_center(dict(camera))
-        if view is not None:
-            seen = self.atlas._named("view", view)
-            placed |= {"azimuth": seen["azimuth"], "elevation": seen["elevation"]}
-        if unknown := placed.keys() - {"azimuth", "elevation", "zoom", "center", "projection", "fieldOfView"}:
-            raise ValueError(f"camera: has no {', '.join(map(repr, unknown))}")
+            placed |= _flipped_center(camera)
+        seen = self.atlas._named("view", view) if view is not None else {}
         if not 1e-6 <= zoom <= 1e6:
             raise ValueError(f"zoom: {zoom!r}: must be from 1e-6 to 1e6")
-        placed |= {key: float(value) for key, value in (("azimuth", azimuth), ("elevation", elevation))
-                   if value is not None}
-        if projection is not None:
-            placed["projection"] = projection
+        given = {"azimuth": azimuth, "elevation": elevation, "projection": projection}
+        placed |= {key: one for key, value in given.items()
+                   if (one := seen.get(key) if value is None else value) is not None}
         if camera is None:
-            placed["fit"] = {"zoom": zoom * shown.get("zoom", 1), "center": shown.get("center"),
+            placed["fit"] = {"zoom": zoom * shown.get("zoom", 1),
+                             "center": shown.get("center") if center is None else _flipped(center),
                              "structure": -1 if focus is None else self.atlas._one(focus)}
-            if center is not None:
-                placed["fit"]["center"] = _flipped(center)
-        if cuts is None:
-            planes = shown.get("cuts", [])
-        else:
-            texts = [cuts] if isinstance(cuts, str) else cuts
-            if isinstance(cuts, Mapping):
-                texts = [f"{side}={float(mm)!r}" for side, mm in cuts.items()]
-            planes = [{"normal": normal, "offset": offset} for normal, offset in _engine.parse_cuts(" ".join(texts))]
+        planes = shown.get("cuts", []) if cuts is None else [
+            {"normal": normal, "offset": offset} for normal, offset in _engine.parse_cuts(cuts)]  # type: ignore
         return Picture(self, {
             "call": "draw", "select": shown.get("select", "*") if select is None else select,
-            "size": _size(size), "camera": placed, "cuts": planes, "caps": caps,
+            "size": size, "camera": placed, "cuts": planes, "caps": caps,
             "quality": quality, "shading": shading, "depthCue": depth_cue, "draftBudget": draft_budget_ms,
             "ids": ids, "depths": depth}, background)
 
@@ -175,9 +161,10 @@ class Atlas(Renderer, contextlib.AbstractContextManager):
         Limit of work in multiples of the usual one; below 1 for untrusted files.
     """
 
+    @checked
     def __init__(self, path: str | bytes | os.PathLike, *, threads: int = 0, memory: int = 0, max_work: float = 1):
         self.path = os.path.abspath(os.fsdecode(path))
-        player = _engine.Player(_encoded(self.path), threads, memory, max_work)
+        player = _engine.Player(os.fsencode(self.path), min(threads, 64), memory, max_work)
         super().__init__(None, player)
         #: the document of `splatlas-player info --json`
         self.info: dict[str, Any] = json.loads(player.call('{"call": "info"}'))
@@ -208,31 +195,39 @@ class Atlas(Renderer, contextlib.AbstractContextManager):
         """Another renderer, with a cache of its own."""
         return Renderer(self, self._opened().another())
 
+    @checked
     def find(self, name: str) -> list[Structure]:
-        """The structures of an id, name, path, synonym, pattern ("Vermis*") or label ("#17")."""
-        return [self.structures[index] for index in self._indices(name)]
+        """The structures of an id, name, path, synonym, pattern ("Vermis*") or label ("#17"). Raises Error for none."""
+        return [self.structures[index] for index in self._indices([name])]
 
+    @checked
     def labels(self, names: Names = "*") -> np.ndarray:
         """The source label map: (i, j, k), of its type. Other structures than these and their parts are 0."""
         return self._opened().labels(self._indices(names))
 
+    @checked
     def mask(self, names: Names) -> np.ndarray:
         """(i, j, k) bool: where the structures or their parts are; they may overlap."""
-        return self._opened().mask(self._indices(names))
+        return self._opened().mask(self._indices(names)).view(bool)
 
     def volume(self) -> np.ndarray:
-        """The grey values: (i, j, k), of the type of the source."""
+        """The grey values: (i, j, k), of the type of the source. Raises Error in an atlas without them."""
         return self._opened().volume()
 
+    @checked
     def surface(self, names: Names) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Vertices (n, 3) in RAS mm, triangles (m, 3), counter-clockwise from outside, and normals (n, 3)."""
-        return self._opened().surface(self._indices(names))
+        """Vertices (n, 3) float64 in RAS mm, triangles (m, 3) uint32 of rows of these, and unit normals (n, 3) float32.
+
+        Triangles are counter-clockwise from outside.
+        """
+        vertices, triangles, normals = self._opened().surface(self._indices(names))
+        return vertices * (-1, -1, 1), triangles, normals * np.array((-1, -1, 1), np.float32)
 
     def volumes(self) -> list[dict[str, Any]]:
         """A row for each structure: id, name, label, voxels, ml; for pandas.DataFrame()."""
-        return [{key: getattr(one, key) for key in ("id", "name", "label", "voxels", "ml")}
-                for one in self.structures]
+        return [{key: getattr(one, key) for key in ("id", "name", "label", "voxels", "ml")} for one in self.structures]
 
+    @checked
     def show(self, select: str | None = None, scene: str | None = None, height: int = 600) -> Page:
         """The player's page, for a cell of a notebook: the exported file, which needs no server."""
         self._opened()
@@ -243,16 +238,21 @@ class Atlas(Renderer, contextlib.AbstractContextManager):
             raise ValueError(f"{self.path}: the atlas is closed")
         return self._open_player
 
-    def _indices(self, names: Names) -> list[int]:
-        player = self._opened()
-        one_or_more = [names] if isinstance(names, (str, Structure)) else names
-        found = [[name.index] if isinstance(name, Structure) else player.find(name) for name in one_or_more]
-        return list(dict.fromkeys(index for indices in found for index in indices))
+    def _indices(self, names: Any) -> list[int]:
+        player, found = self._opened(), list[int]()
+        for name in names:
+            if isinstance(name, str):
+                found += player.find(name)
+            elif self.structures[name.index:name.index + 1] != (name,):  # type: ignore
+                raise ValueError(f"names: {name!r:.80}: is a structure of another atlas")
+            else:
+                found.append(name.index)
+        return list(dict.fromkeys(found))
 
-    def _one(self, name: Names) -> int:
-        found = self._indices(name)
+    def _one(self, name: str | Structure) -> int:
+        found = self._indices([name])
         if len(found) != 1:
-            raise ValueError(f"{name}: names {len(found)} structures; focus takes one")
+            raise ValueError(f"focus: {name!r}: names {len(found)} structures; it takes one")
         return found[0]
 
     def _named(self, kind: str, name: str) -> dict[str, Any]:
@@ -267,23 +267,10 @@ class Atlas(Renderer, contextlib.AbstractContextManager):
 open = Atlas
 
 
-def _encoded(path: str | bytes | os.PathLike) -> bytes:
-    if b"\0" in (encoded := os.fsencode(path)):
-        raise ValueError(f"{path!r}: holds a zero byte")
-    return encoded
-
-
 def _flipped(point: Sequence[float]) -> list[float]:
     """RAS to LPS mm, and back."""
-    x, y, z = (float(mm) for mm in point)
-    return [-x, -y, z]
+    return [-point[0], -point[1], point[2]]
 
 
-def _flipped_center(camera: dict[str, Any]) -> dict[str, Any]:
+def _flipped_center(camera: Any) -> dict[str, Any]:
     return camera if camera.get("center") is None else camera | {"center": _flipped(camera["center"])}
-
-
-def _size(size: Sequence[int]) -> list[int]:
-    if np.shape(size) != (2,):
-        raise ValueError(f"size: {size!r}: must be (width, height)")
-    return [operator.index(side) for side in size]

@@ -14,7 +14,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from splatlas._arguments import checked
 from splatlas._engine import Error
 
 
@@ -34,27 +36,30 @@ class Page:
                 'sandbox="allow-scripts allow-downloads" style="border: 0"></iframe>')
 
 
-def build(output: str | os.PathLike, *, labels: Any = None, volume: Any = None, affine: Any = None,
-          names: Any = None, tree: Any = None, meshes: Mapping[str, Any] | None = None,
-          options: Sequence[str] = ()) -> None:
+@checked
+def build(output: str | bytes | os.PathLike, *, labels: Any = None, volume: Any = None,
+          affine: ArrayLike | None = None, names: Any = None, tree: str | os.PathLike | Iterable[str] | None = None,
+          meshes: Mapping[str, Sequence[ArrayLike]] | None = None, options: Sequence[str] = ()) -> None:
     """Builds an atlas with splatlas-preprocess. Its notes become warnings.
 
-    labels, volume: a path, an image of nibabel, or an array (i, j, k) with `affine`: (4, 4), voxel indices to
-        RAS mm. labels also {group: one of these}.
-    names: a path, {label: name}, a pandas.DataFrame, or rows: mappings with label, name, color ("#rrggbb") and
-        other columns of CSV tables.
-    tree: a path, or lines such as "Brain/Left/Precentral_L".
-    meshes: {name: (vertices in RAS mm, triangles)}.
-    options: more options of `splatlas-preprocess build`.
+    Parameters
+    ----------
+    labels, volume : path, image of nibabel, or (i, j, k) array with `affine`
+        labels also {group: one of these}.
+    affine : (4, 4) floats
+        Voxel indices of arrays to RAS mm.
+    names : path, {label: name}, pandas.DataFrame, or rows
+        Rows are mappings with label, name, color ("#rrggbb") and other columns of CSV tables.
+    tree : path, or lines such as "Brain/Left/Precentral_L"
+    meshes : {name: (vertices (n, 3) in RAS mm, triangles (m, 3))}
+    options : more options of `splatlas-preprocess build`
     """
     groups = dict(labels) if isinstance(labels, Mapping) else {"": labels}
     if affine is not None and not any(_is_plain(image) for image in (*groups.values(), volume)):
         raise ValueError("affine: files and images have their own; it is for arrays")
     for name in (*groups, *(meshes or {})):
-        if "=" in name or (name in groups and "/" in name):
+        if "=" in str(name) or (name in groups and "/" in str(name)):
             raise ValueError(f"{name!r}: names of meshes and groups hold no '=', and of groups no '/'")
-    if isinstance(options, str):
-        raise ValueError("options: must be a list of words")
     with tempfile.TemporaryDirectory(prefix="splatlas-") as folder:
         files = pathlib.Path(folder)
         words = ["build", f"--output={os.fsdecode(output)}", "--progress=none"]
@@ -67,20 +72,21 @@ def build(output: str | os.PathLike, *, labels: Any = None, volume: Any = None, 
         if names is not None:
             words.append(f"--names={_names_file(names, files / 'names.csv')}")
         if tree is not None:
-            words.append(f"--tree={_tree_file(tree, files / 'names.tree')}")
-        for number, (name, (vertices, triangles, *_)) in enumerate((meshes or {}).items()):
-            path = _mesh_file(vertices, triangles, files / f"{number}.obj")
-            words.append(f"--mesh={name}={path},frame=ras")
-        _run("splatlas-preprocess", [*words, *options], folder, stacklevel=3)
+            if "\n" in tree:  # type: ignore
+                tree, lines = files / "names.tree", tree
+                tree.write_text(lines, encoding="utf-8")  # type: ignore
+            words.append(f"--tree={tree}")
+        for number, (name, mesh) in enumerate((meshes or {}).items()):
+            words.append(f"--mesh={name}={_mesh_file(*mesh, files / f'{number}.obj')},frame=ras")  # type: ignore
+        _run("splatlas-preprocess", [*words, *options], folder, stacklevel=4)
 
 
 def page_of(path: str, select: str | None, scene: str | None, height: int) -> Page:
     with tempfile.TemporaryDirectory(prefix="splatlas-") as folder:
         page = pathlib.Path(folder, "page.html")
-        words = ["export", path, f"--html={page}"]
-        named = {"select": select, "scene": scene}
-        words += [f"--{option}={value}" for option, value in named.items() if value is not None]
-        _run("splatlas-player", words, folder, stacklevel=4)
+        named = {"html": page, "select": select, "scene": scene}
+        words = [f"--{option}={value}" for option, value in named.items() if value is not None]
+        _run("splatlas-player", ["export", path, *words], folder, stacklevel=5)
         return Page(page.read_text(encoding="utf-8"), height)
 
 
@@ -90,10 +96,9 @@ def _run(program: str, words: list[str], folder: str, stacklevel: int) -> None:
     if found is None:
         raise Error(f"{program} is not installed, or not in PATH")
     done = subprocess.run([found, *words], capture_output=True, text=True, errors="replace")
-    *notes, last = done.stderr.replace(f"{folder}/", "").splitlines() or [""]
-    if done.returncode == 0:
-        notes, last = [*notes, last], ""
-    for line in notes:
+    lines = done.stderr.replace(f"{folder}/", "").splitlines()
+    last = lines.pop() if lines and done.returncode != 0 else ""
+    for line in lines:
         kind, _, text = line.partition(": ")
         if kind in ("note", "warning"):
             warnings.warn(text, Warning, stacklevel=stacklevel)
@@ -125,8 +130,7 @@ def _image_file(image: Any, affine: Any, path: pathlib.Path, what: str) -> str:
         raise ValueError(f"{what}: an array of shape {array.shape}; it must have three axes, none of them empty")
     if affine is None:
         raise ValueError(f"{what}: an array needs affine=, the map from voxel indices to RAS mm")
-    affine = np.asarray(affine, dtype=float)
-    if affine.shape != (4, 4) or not np.isfinite(affine).all() or not np.array_equal(affine[3], (0, 0, 0, 1)):
+    if not np.isfinite(affine).all() or not np.array_equal(affine[3], (0, 0, 0, 1)):
         raise ValueError("affine: must be 4 x 4 finite numbers, with 0, 0, 0, 1 in the last row")
     array = _storable(array, what)
     vector = "({!r},{!r},{!r})".format
@@ -160,7 +164,7 @@ def _names_file(names: Any, path: pathlib.Path) -> str:
         names = names.to_dict("records") if names.ndim == 2 else names.to_dict()
     if isinstance(names, Mapping):
         names = [{"label": label, "name": name} for label, name in names.items()]
-    rows = list(names)
+    rows = list(names) if isinstance(names, Iterable) else []
     if not rows or not all(isinstance(row, Mapping) for row in rows):
         raise ValueError("names: must be a path, {label: name}, a DataFrame or mappings with label and name")
     columns = list(dict.fromkeys(key for row in rows for key in row))
@@ -171,16 +175,7 @@ def _names_file(names: Any, path: pathlib.Path) -> str:
     return os.fspath(path)
 
 
-def _tree_file(tree: Any, path: pathlib.Path) -> str:
-    if isinstance(tree, os.PathLike) or (isinstance(tree, str) and "\n" not in tree):
-        return os.fspath(tree)
-    lines: Iterable[str] = tree.splitlines() if isinstance(tree, str) else tree
-    path.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
-    return os.fspath(path)
-
-
-def _mesh_file(vertices: Any, triangles: Any, path: pathlib.Path) -> str:
-    vertices, triangles = np.asarray(vertices, dtype=float), np.asarray(triangles)
+def _mesh_file(vertices: np.ndarray, triangles: np.ndarray, path: pathlib.Path) -> str:
     for what, array in (("vertices", vertices), ("triangles", triangles)):
         if array.ndim != 2 or array.shape[1] != 3:
             raise ValueError(f"{what}: of shape {array.shape}; must be (n, 3)")

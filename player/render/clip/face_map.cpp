@@ -1,9 +1,5 @@
 #include "player/render/clip/face_map.h"
 
-#include <limits>
-#include <utility>
-
-#include "format/content/run_model.h"
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"
 #include "player/transfer_function.h"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
-#include <vector>
 
 #include "format/result_macros.h"
 #include "player/render/frame/frame_renderer.h"

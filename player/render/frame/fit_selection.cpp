@@ -1,8 +1,6 @@
 #include "player/render/frame/fit_selection.h"
 
-#include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <vector>
 
 #include "format/result_macros.h"

@@ -6,10 +6,8 @@
 #include <fmt/format.h>
 
 #include "format/result_macros.h"
-#include "player/render/contributions/pixel_shares.h"
 #include "player/render/frame/draft_pace.h"
 #include "player/render/frame/stopwatch.h"
-#include "player/render/rays/cast_rays.h"
 
 namespace splatlas {
 namespace {

@@ -9,8 +9,6 @@
 
 #include "format/result_macros.h"
 #include "player/render/frame/stopwatch.h"
-#include "player/render/light/voxel_light.h"
-#include "player/render/rays/cast_rays.h"
 
 namespace splatlas {
 namespace {

@@ -10,20 +10,13 @@
 
 #include <fmt/format.h>
 
-#include "format/content/grid.h"
 #include "format/result_macros.h"
-#include "format/tasks/task_control.h"
-#include "player/camera.h"
-#include "player/render/clip/cut_rays.h"
 #include "player/render/contributions/pixel_shares.h"
 #include "player/render/frame/ray_frame.h"
 #include "player/render/frame/stopwatch.h"
-#include "player/render/rays/cast_rays.h"
 #include "player/render/sheets/sheets.h"
 #include "player/render/sheets/spans/span_model.h"
 #include "player/render/sheets/splat/splat_kernels.h"
-#include "player/render/view/pixel_box.h"
-#include "player/render/view/shear.h"
 
 namespace splatlas {
 namespace {

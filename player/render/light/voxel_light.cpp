@@ -2,11 +2,9 @@
 
 #include <limits>
 #include <map>
-#include <span>
 #include <utility>
 #include <vector>
 
-#include "format/content/voxel_type.h"
 #include "format/tasks/task_control.h"
 
 namespace splatlas {

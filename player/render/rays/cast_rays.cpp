@@ -7,8 +7,6 @@
 
 #include "format/tasks/task_control.h"
 #include "player/render/clip/cut_faces.h"
-#include "player/render/view/pixel_box.h"
-#include "player/render/view/view_frame.h"
 
 namespace splatlas {
 namespace {

@@ -2,17 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <utility>
 #include <vector>
 
 #include "format/tasks/task_control.h"
-#include "player/render/clip/clip_slabs.h"
-#include "player/render/sheets/sheet_fragments.h"
-#include "player/render/sheets/slabs.h"
 #include "player/render/sheets/splat/block_runs.h"
-#include "player/render/view/shear.h"
 
 namespace splatlas {
 namespace {

@@ -6,7 +6,6 @@
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"
 #include "player/render/simd/simd_choice.h"
-#include "player/render/surfaces/tile_layers.h"
 
 namespace splatlas {
 namespace {

@@ -1,6 +1,5 @@
 #include "player/render/surfaces/screen_triangle.h"
 
-#include <cmath>
 #include <tuple>
 
 namespace splatlas {

@@ -1,7 +1,6 @@
 #include "player/render/surfaces/tile_layers.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <tuple>
 #include <utility>

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "format/content/color.h"
 #include "player/transfer_function.h"
 
 namespace splatlas {

@@ -1,6 +1,5 @@
 #include "player/web/server/lesson_file.h"
 
-#include <cstdint>
 #include <set>
 #include <span>
 #include <tuple>

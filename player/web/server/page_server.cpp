@@ -7,14 +7,10 @@
 #include <condition_variable>
 #include <cstring>
 #include <exception>
-#include <functional>
 #include <map>
 #include <mutex>
-#include <optional>
 #include <span>
 #include <stop_token>
-#include <string_view>
-#include <utility>
 #include <vector>
 
 #include <arpa/inet.h>

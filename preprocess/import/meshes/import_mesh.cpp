@@ -7,7 +7,6 @@
 #include <iterator>
 #include <regex>
 #include <span>
-#include <utility>
 
 #include <vtkCellArray.h>
 #include <vtkDataArray.h>

@@ -1,7 +1,6 @@
 #include "preprocess/import/tables/text_file.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <fstream>
 #include <iterator>

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

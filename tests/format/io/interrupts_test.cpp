@@ -1,7 +1,6 @@
 // Signals while files and folders are unfinished.
 #include <csignal>
 #include <functional>
-#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

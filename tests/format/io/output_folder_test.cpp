@@ -1,6 +1,5 @@
 #include <fstream>
 #include <iterator>
-#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

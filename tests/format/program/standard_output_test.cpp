@@ -2,7 +2,6 @@
 
 #include <new>
 #include <stdexcept>
-#include <string>
 
 #include <fcntl.h>
 #include <gmock/gmock.h>

@@ -1,7 +1,5 @@
 #include "format/tasks/task_control.h"
 
-#include <vector>
-
 #include <gmock/gmock.h>
 
 #include "format/tasks/thread_pool.h"

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <tuple>
-#include <vector>
 
 #include <gtest/gtest.h>
 

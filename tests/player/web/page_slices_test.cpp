@@ -1,7 +1,5 @@
 #include "player/web/page_slices.h"
 
-#include <string>
-
 #include <gtest/gtest.h>
 
 #include "tests/support/render.h"

@@ -1,8 +1,6 @@
 #include "preprocess/export/write_mesh.h"
 
 #include <stop_token>
-#include <string>
-#include <utility>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,7 +1,5 @@
 // No free text of a source file reaches an atlas, a report or a message.
 #include <filesystem>
-#include <string>
-#include <vector>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

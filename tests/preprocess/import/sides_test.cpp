@@ -1,7 +1,5 @@
 // Left stays left, in files of every format and axis order.
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "preprocess/sources/import_sources.h"
 #include "tests/preprocess/import/sides_fixture.h"

@@ -1,6 +1,5 @@
 // Grids that are widened for surfaces, and grids around surfaces alone.
 #include <cmath>
-#include <string>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

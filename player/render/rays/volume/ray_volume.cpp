@@ -1,9 +1,7 @@
 #include "player/render/rays/volume/ray_volume.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"

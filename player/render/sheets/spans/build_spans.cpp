@@ -1,9 +1,7 @@
 #include "player/render/sheets/spans/build_spans.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 
 #include <hwy/cache_control.h>
 

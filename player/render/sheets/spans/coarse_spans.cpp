@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "format/tasks/task_control.h"
-#include "player/render/decode/selected_runs.h"
 #include "player/render/light/voxel_light.h"
 #include "player/render/sheets/spans/span_writer.h"
 

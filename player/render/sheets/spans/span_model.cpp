@@ -1,6 +1,5 @@
 #include "player/render/sheets/spans/span_model.h"
 
-#include <algorithm>
 #include <new>
 
 #include "player/render/decode/sparse_bytes.h"

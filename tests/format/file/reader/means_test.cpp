@@ -1,5 +1,4 @@
 // Means of grey values in blocks, stored and derived.
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <map>

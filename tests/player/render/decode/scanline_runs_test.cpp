@@ -1,7 +1,4 @@
-#include <array>
-#include <cstdint>
 #include <tuple>
-#include <vector>
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,6 @@
 #include <limits>
 #include <numbers>
 #include <random>
-#include <vector>
 
 #include <gtest/gtest.h>
 

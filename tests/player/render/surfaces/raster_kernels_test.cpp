@@ -1,5 +1,4 @@
 #include <random>
-#include <vector>
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,5 @@
 // Surfaces in RAS beside labels in LPS, transforms and scales.
-#include <array>
 #include <bit>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,8 +1,5 @@
 // GIFTI surfaces in all encodings, written by the test.
 #include <algorithm>
-#include <array>
-#include <string>
-#include <vector>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

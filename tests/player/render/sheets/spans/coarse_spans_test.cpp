@@ -1,9 +1,6 @@
 #include "player/render/sheets/spans/coarse_spans.h"
 
-#include <array>
-#include <cstdint>
 #include <limits>
-#include <vector>
 
 #include <gtest/gtest.h>
 

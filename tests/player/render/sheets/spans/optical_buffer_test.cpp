@@ -1,7 +1,4 @@
 #include <algorithm>
-#include <cstdint>
-#include <utility>
-#include <vector>
 
 #include <gtest/gtest.h>
 

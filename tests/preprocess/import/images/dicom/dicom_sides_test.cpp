@@ -1,9 +1,5 @@
 // Left stays left, in DICOM series and segmentations.
 #include <algorithm>
-#include <array>
-#include <cstdint>
-#include <utility>
-#include <vector>
 
 #include "tests/preprocess/import/images/dicom/dicom_files.h"
 #include "tests/preprocess/import/sides_fixture.h"

@@ -1,6 +1,5 @@
 // PNG files that are cut or damaged, which libpng answers by ending the process: a child.
 #include <cstdint>
-#include <string>
 
 #include <zlib.h>
 
