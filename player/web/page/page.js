@@ -246,6 +246,7 @@ class Page {
     if (message.quality === 'draft') return;
     this.#labelPicture();
     this.#writeLink();
+    if (!this.#model.differsFromScene()) this.#scenes.illustrate(byId('canvas'));
     if (message.data.some((value, n) => n % 4 === 3 && value > 0)) {
       if (byId('message').textContent.startsWith(kEmpty)) byId('message').hidden = true;
       return;

@@ -69,6 +69,7 @@ class Inspector {
 /** The strip of scenes with question or caption. Calls the handlers show(n) and answer(). */
 class Scenes {
   #scenes; #show; #answer; #buttons;
+  #thumbnails = new Map();  // of the scenes that have been shown
   #current = null;
   #isAsking = false;
 
@@ -85,12 +86,24 @@ class Scenes {
   list() {
     byId('scenes').hidden = this.#scenes.length === 0;
     this.#buttons = this.#scenes.map((scene, n) => {
-      const button = element('button', {}, element('span', {class: 'number', 'aria-hidden': 'true'}, String(n + 1)),
-        nameElement(scene.name));
+      const button = element('button', {}, this.#thumbnails.get(scene) ?? '',
+        element('span', {class: 'number', 'aria-hidden': 'true'}, String(n + 1)), nameElement(scene.name));
       button.addEventListener('click', () => this.#show(n));
       return button;
     });
     byId('strip').replaceChildren(...this.#buttons.map(button => element('li', {}, button)));
+  }
+
+  /** The finished picture of the present scene: its thumbnail, if it is the first. */
+  illustrate(picture) {
+    const scene = this.#scenes[this.#current];
+    if (!scene || this.#thumbnails.has(scene)) return;
+    const thumbnail = element('canvas', {width: '96', height: '64', 'aria-hidden': 'true'});
+    const scale = Math.max(96 / picture.width, 64 / picture.height);
+    const [width, height] = [picture.width * scale, picture.height * scale];
+    thumbnail.getContext('2d').drawImage(picture, (96 - width) / 2, (64 - height) / 2, width, height);
+    this.#thumbnails.set(scene, thumbnail);
+    this.#buttons[this.#current].prepend(thumbnail);
   }
 
   /** Shows the scene after (1) or before (-1) the present one; first the answer to a question. */
