@@ -169,8 +169,9 @@ std::vector<std::filesystem::path> list_files(const SourceFiles& files) {
   std::vector<std::filesystem::path> given{files.labels, files.volume, files.names, files.tree, files.sides};
   for (const LabelsFile& more : files.more_labels) given.push_back(more.file);
   for (const MeshSource& mesh : files.meshes) given.insert(given.end(), {mesh.file, mesh.transform});
+  std::error_code unreadable;
   for (const std::filesystem::path& path : given) {
-    if (!path.empty()) std::ranges::move(regular_files_of(path), std::back_inserter(list));
+    if (!path.empty()) std::ranges::move(regular_files_of(path, unreadable), std::back_inserter(list));
   }
   for (const SegmentRule& rule : files.segments) {
     if (!rule.mask.empty()) list.push_back(rule.mask);

@@ -184,8 +184,8 @@ Result<void> check_end(int status, double exceeded, const ChildLimits& limits, c
 
 ChildLimits limits_for(const fs::path& path) {
   std::uint64_t bytes = 0;
-  for (const fs::path& file : regular_files_of(path)) {
-    std::error_code unreadable;
+  std::error_code unreadable;
+  for (const fs::path& file : regular_files_of(path, unreadable)) {
     const auto size = fs::file_size(file, unreadable);
     if (!unreadable) bytes += size;
   }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
-#include <system_error>
 
 #include <fmt/ranges.h>
 #include <nettle/sha2.h>
@@ -81,13 +80,14 @@ std::optional<std::array<double, 3>> parse_numbers(std::string_view text) {
 
 }  // namespace
 
-std::vector<std::filesystem::path> regular_files_of(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::is_directory(path, error)) return {path};
+std::vector<std::filesystem::path> regular_files_of(const std::filesystem::path& path,
+                                                    std::error_code& error) {
+  std::error_code unreadable;  // or a link to nothing
+  if (!std::filesystem::is_directory(path, unreadable)) return {path};
   std::vector<std::filesystem::path> files;
   for (std::filesystem::recursive_directory_iterator entry(path, error), end; !error && entry != end;
        entry.increment(error)) {
-    if (entry->is_regular_file(error)) files.push_back(entry->path());
+    if (entry->is_regular_file(unreadable)) files.push_back(entry->path());
   }
   std::ranges::sort(files);
   return files;
@@ -170,7 +170,8 @@ Result<std::string> hash_file(const std::filesystem::path& path) {
   sha256_ctx state;
   sha256_init(&state);
   std::vector<std::uint8_t> block(1 << 18);
-  for (const std::filesystem::path& name : regular_files_of(path)) {
+  std::error_code error;
+  for (const std::filesystem::path& name : regular_files_of(path, error)) {
     std::ifstream file(name, std::ios::binary);
     if (!file) return bad_file(name, "cannot be read");
     while (file) {
@@ -179,6 +180,7 @@ Result<std::string> hash_file(const std::filesystem::path& path) {
     }
     if (file.bad()) return bad_file(name, "cannot be read");
   }
+  if (error) return bad_file(path, "cannot be listed ({})", error.message());
   std::array<std::uint8_t, SHA256_DIGEST_SIZE> digest{};
   sha256_digest(&state, digest.size(), digest.data());
   return fmt::format("sha256:{:02x}", fmt::join(digest, ""));

@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -43,8 +44,10 @@ struct TextLine {
 /// The regular files of a folder whose names do not begin with ".", sorted; none if it cannot be listed.
 [[nodiscard]] std::vector<std::filesystem::path> visible_files(const std::filesystem::path& folder);
 
-/// The file itself, or all regular files of a folder and its folders, sorted.
-[[nodiscard]] std::vector<std::filesystem::path> regular_files_of(const std::filesystem::path& path);
+/// The file itself, or all regular files of a folder and its folders, sorted. Sets `error` if one of these
+/// cannot be listed; the list has only some files then.
+[[nodiscard]] std::vector<std::filesystem::path> regular_files_of(const std::filesystem::path& path,
+                                                                  std::error_code& error);
 
 /// "sha256:" and 64 hexadecimal digits, as printed by `sha256sum FILE`. Reads the file once; of a folder all
 /// regular files, in the order of their paths, as one. kFailed if one cannot be read.

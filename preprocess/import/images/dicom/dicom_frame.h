@@ -83,8 +83,8 @@ struct DicomFrames {
 };
 
 /// The header pass over a file, or over a folder and its subfolders. Files of a folder that are no DICOM
-/// images are ignored: indices (DICOMDIR), reports, texts. kFailed if a folder cannot be listed, or is deeper
-/// than 16 levels. Cost: opens each file once and reads no pixels. One thread at a time.
+/// images are ignored: indices (DICOMDIR), reports, texts. kFailed if a folder cannot be listed. Cost: opens
+/// each file once and reads no pixels. One thread at a time.
 [[nodiscard]] Result<DicomFrames> read_frames(const std::filesystem::path& file_or_folder);
 
 /// Frames of one volume, in the order of the files. They point into the list that was grouped.

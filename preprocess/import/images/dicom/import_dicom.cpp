@@ -219,22 +219,11 @@ Result<SourceImage> import_contours(const ContourFile& contours, const Stacks& s
 
 /// True if a file, or one of a folder, is of a kind.
 bool any_file(const std::filesystem::path& file_or_folder, bool (*is_it)(const std::filesystem::path&)) {
-  constexpr int kMaxDepth = 16, kMaxFiles = 4096;
-  if (is_it(file_or_folder)) return true;
-  std::error_code error;
-  if (!std::filesystem::is_directory(file_or_folder, error)) return false;
-  using Iterator = std::filesystem::recursive_directory_iterator;
-  constexpr auto kOptions = std::filesystem::directory_options::skip_permission_denied;
-  int files = 0;
-  for (Iterator entry(file_or_folder, kOptions, error); !error && entry != Iterator();
-       entry.increment(error)) {
-    if (entry.depth() >= kMaxDepth) entry.disable_recursion_pending();
-    std::error_code ignored;
-    if (!entry->is_regular_file(ignored)) continue;
-    if (++files > kMaxFiles) return false;
-    if (is_it(entry->path())) return true;
-  }
-  return false;
+  constexpr std::size_t kMaxFiles = 4096;
+  std::error_code ignored;
+  std::vector<std::filesystem::path> files = regular_files_of(file_or_folder, ignored);
+  files.resize(std::min(files.size(), kMaxFiles));
+  return std::ranges::any_of(files, is_it);
 }
 
 }  // namespace

@@ -217,8 +217,6 @@ Result<void> read_frame(const FrameGroups& groups, DicomFrame& frame) {
   return {};
 }
 
-constexpr int kMaxDepth = 16;
-
 /// True for storage classes of images, which must have pixels.
 bool is_image_class(const std::string& uid) {
   const char* const name = dcmFindNameOfUID(uid.c_str());
@@ -300,32 +298,14 @@ class FramesOfFile {
   std::string series_uid_;
 };
 
-Result<std::vector<std::filesystem::path>> files_below(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> files;
-  std::error_code error;
-  using Iterator = std::filesystem::recursive_directory_iterator;
-  for (Iterator entry(folder, error); !error && entry != Iterator(); entry.increment(error)) {
-    std::error_code ignored;
-    if (entry->is_regular_file(ignored)) files.push_back(entry->path());
-    if (entry.depth() >= kMaxDepth)
-      return bad_file(folder, "has folders more than {} deep; give the folder of the series", kMaxDepth);
-  }
-  if (error) return bad_file(folder, "cannot be listed ({})", error.message());
-  std::ranges::sort(files);
-  return files;
-}
-
 }  // namespace
 
 Result<DicomFrames> read_frames(const std::filesystem::path& file_or_folder) {
   DicomFrames found;
-  std::error_code ignored;
-  if (!std::filesystem::is_directory(file_or_folder, ignored)) {
-    FramesOfFile(file_or_folder, true, found).add();
-    return found;
-  }
-  SPLATLAS_ASSIGN_OR_RETURN(const auto files, files_below(file_or_folder));
-  for (const std::filesystem::path& file : files) FramesOfFile(file, false, found).add();
+  std::error_code error;
+  for (const std::filesystem::path& file : regular_files_of(file_or_folder, error))
+    FramesOfFile(file, file == file_or_folder, found).add();
+  if (error) return bad_file(file_or_folder, "cannot be listed ({})", error.message());
   return found;
 }
 

@@ -39,7 +39,7 @@ namespace splatlas {
                                            const ImageOptions& options = {});
 
 /// True for a file that begins as DICOM, with a preamble or without, whatever its ending, and for a folder
-/// that holds such a file at most 16 levels below. Cost: opens files until the first hit, at most 4096.
+/// that holds such a file. Cost: lists the folder, and opens files until the first hit, at most 4096.
 /// Thread-safe.
 [[nodiscard]] bool is_dicom(const std::filesystem::path& file_or_folder);
 
