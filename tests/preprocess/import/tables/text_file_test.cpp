@@ -55,6 +55,9 @@ TEST(FileHash, IsSha256OfTheBytes) {
   write_bytes(folder.file("a"), "abc");
   EXPECT_EQ(hash_file(folder.file("a")).value(),
             "sha256:ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  // Links to nothing are no files of a folder, and do not end its list
+  for (int n = 0; n < 20; ++n) std::filesystem::create_symlink("none", folder.file(fmt::format("link{}", n)));
+  EXPECT_EQ(hash_file(folder.path()).value(), hash_file(folder.file("a")).value());
 }
 
 }  // namespace
