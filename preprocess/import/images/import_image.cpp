@@ -145,11 +145,6 @@ fs::path other_file(const fs::path& path) {
   return pixels ? pixels->file : fs::path();
 }
 
-Result<SourceImage> read_image_here(const fs::path& path, const ImageOptions& options) {
-  SPLATLAS_ASSIGN_OR_RETURN(const ImageFormatEntry* const format, known_format(path));
-  return format->read(path, options);
-}
-
 Result<SourceImage> read_image(const fs::path& path, const ImageOptions& options) {
   SPLATLAS_ASSIGN_OR_RETURN(const ImageFormatEntry* const format, known_format(path));
   if (format->read == import_dicom) load_dicom_dictionary();

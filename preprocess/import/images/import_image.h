@@ -26,10 +26,8 @@ struct ImageFormatEntry {
 /// path itself for others. Reads a header of NRRD or MetaImage.
 [[nodiscard]] std::filesystem::path other_file(const std::filesystem::path& path);
 
-/// Reads a file or a folder in this process. kFailed for what no format recognises; the message leads on.
-[[nodiscard]] Result<SourceImage> read_image_here(const std::filesystem::path& file_or_folder,
-                                                  const ImageOptions& options);
-/// The same in a child, so that no file brings this process down (run_isolated.h).
+/// Reads a file or a folder in a child, so that no file brings this process down (run_isolated.h). kFailed
+/// for what no format recognises; the message leads on.
 [[nodiscard]] Result<SourceImage> read_image(const std::filesystem::path& file_or_folder,
                                              const ImageOptions& options);
 

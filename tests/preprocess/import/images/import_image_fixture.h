@@ -18,7 +18,9 @@ namespace splatlas {
 /// import_image() without a child, for long series: a child of a sanitized process takes tens of
 /// milliseconds.
 inline Result<Image> import_image_here(const std::filesystem::path& path) {
-  Result<SourceImage> source = read_image_here(path, {});
+  const ImageFormatEntry* const format = find_image_format(path);
+  if (format == nullptr) return import_image(path);  // refuses it
+  Result<SourceImage> source = format->read(path, {});
   if (!source) return tl::unexpected(source.error());
   if (source->layers > 1) return import_image(path);  // refuses it
   return Image{source->grid, std::move(source->voxels)};

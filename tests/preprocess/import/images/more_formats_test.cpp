@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "preprocess/import/images/import_image.h"
+#include "preprocess/import/images/pixels/image_readers.h"
 #include "tests/preprocess/import/images/import_image_fixture.h"
 #include "tests/preprocess/messages_of_notes.h"
 #include "tests/support/fails_with.h"
@@ -366,7 +367,7 @@ TEST_F(MoreFormats, ReadsEveryPageOfATiffFile) {
               ElementsAre(HasSubstr("no orientation and is read with x to the left")));
   for (std::size_t length = 0; length < bytes.size(); ++length) {
     write_bytes(folder_.file("a.tif"), bytes.substr(0, length));
-    EXPECT_FALSE(read_image_here(folder_.file("a.tif"), options)) << length;
+    EXPECT_FALSE(read_pictures(folder_.file("a.tif"), options)) << length;
   }
 }
 
