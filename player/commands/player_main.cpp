@@ -67,27 +67,20 @@ PrintableText info_text(const Atlas& atlas) {
     text.add("{} {}", std::exchange(separator, ","), in_quotes(scene.name));
   text.add("\n\n{:<50} {:>10} {:>10} {:>10}\n", "structure (again under every parent)", "interior",
            "boundary", "triangles");
-  // Depth first with an explicit stack; a structure appears under each of its parents.
+  // Depth first; a structure appears under each of its parents.
   constexpr std::size_t kMaxLines = 10000;
   const std::vector<SubtreeCounts> counts = counts_of(atlas);
   std::size_t lines = 0;
-  std::vector<std::pair<StructureIndex, std::size_t>> stack;
-  const auto roots = atlas.graph().roots();
-  for (auto root = roots.rbegin(); root != roots.rend(); ++root) stack.emplace_back(*root, 0);
-  while (!stack.empty() && lines < kMaxLines) {
-    const auto [s, depth] = stack.back();
-    stack.pop_back();
-    ++lines;
-    const std::string label = std::string(2 * depth, ' ') + atlas.graph()[s].name;
-    text.add("{:<50} {:>10} {:>10} {:>10}", label, counts[s].interior, counts[s].boundary,
-             counts[s].triangles);
+  const auto add = [&](const auto& add_below, StructureIndex s, std::size_t depth) -> void {
+    if (++lines > kMaxLines) return;
+    text.add("{:<50} {:>10} {:>10} {:>10}", std::string(2 * depth, ' ') + atlas.graph()[s].name,
+             counts[s].interior, counts[s].boundary, counts[s].triangles);
     for (const Term& term : atlas.graph()[s].terms) text.add("  {} {}", term.vocabulary, term.value);
     text.add("\n");
-    const auto children = atlas.graph().children(s);
-    for (auto child = children.rbegin(); child != children.rend(); ++child)
-      stack.emplace_back(*child, depth + 1);
-  }
-  if (!stack.empty()) text.add("... (more than {} lines; --json lists every structure once)\n", kMaxLines);
+    for (const StructureIndex child : atlas.graph().children(s)) add_below(add_below, child, depth + 1);
+  };
+  for (const StructureIndex root : atlas.graph().roots()) add(add, root, 0);
+  if (lines > kMaxLines) text.add("... (more than {} lines; --json lists every structure once)\n", kMaxLines);
   return text;
 }
 

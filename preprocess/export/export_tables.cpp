@@ -205,24 +205,14 @@ Result<std::string> tree_text(const StructureGraph& graph) {
                 all_paths, graph.size(), all_bytes, kMaxTextBytes);
   }
   std::string text;
-  // Depth first with an explicit stack; a structure has a line under each of its parents.
-  struct Place {
-    StructureIndex structure;
-    std::string above;
+  // Depth first; a structure has a line under each of its parents.
+  const auto add = [&](const auto& add_below, StructureIndex s, const std::string& above) -> void {
+    const bool is_group = !graph.children(s).empty();
+    const std::string path = above + (is_group ? names.of_group(s) + "/" : names.of(s));
+    text += fmt::format("{} color={}\n", path, to_hex(graph[s].color));
+    for (const StructureIndex child : graph.children(s)) add_below(add_below, child, path);
   };
-  std::vector<Place> stack;
-  const auto roots = graph.roots();
-  for (auto root = roots.rbegin(); root != roots.rend(); ++root) stack.push_back({*root, ""});
-  while (!stack.empty()) {
-    const Place place = std::move(stack.back());
-    stack.pop_back();
-    const auto children = graph.children(place.structure);
-    const bool is_group = !children.empty();
-    const std::string path =
-        place.above + (is_group ? names.of_group(place.structure) + "/" : names.of(place.structure));
-    text += fmt::format("{} color={}\n", path, to_hex(graph[place.structure].color));
-    for (auto child = children.rbegin(); child != children.rend(); ++child) stack.push_back({*child, path});
-  }
+  for (const StructureIndex root : graph.roots()) add(add, root, "");
   return text;
 }
 
