@@ -106,6 +106,12 @@ CLI::Option* add_surfaces(
                         "");
 }
 
+/// Binds an option or argument that names a file, or several.
+template <typename Value>
+CLI::Option* add_path(CLI::App& app, const std::string& name, Value& value, const std::string& help) {
+  return app.add_option(name, value, help)->check(names_a_file());
+}
+
 /// Binds --threads to `threads`; 0 stands for one thread per core.
 inline CLI::Option* add_threads(CLI::App& app, unsigned& threads, const std::string& help) {
   constexpr unsigned kMaxThreads = 1024;

@@ -176,9 +176,7 @@ Result<void> write_site(const ExportRequest& request) {
 
 CLI::App* add_export(CLI::App& app, ExportRequest& request) {
   CLI::App* command = app.add_subcommand("export", "Write pages that play atlases in browsers");
-  command->add_option("ATLAS", request.atlases, "atlas file; --site takes several")
-      ->required()
-      ->check(names_a_file());
+  add_path(*command, "ATLAS", request.atlases, "atlas file; --site takes several")->required();
   constexpr auto file = non_empty<std::filesystem::path>;
   constexpr auto given = non_empty<std::string>;
   CLI::Option* html =

@@ -77,7 +77,7 @@ Result<std::string> served_page(const Atlas& atlas) {
 }  // namespace
 
 void add_play(CLI::App& app, PlayRequest& request) {
-  app.add_option("ATLAS", request.atlas, "atlas file to play in the browser")->check(names_a_file());
+  add_path(app, "ATLAS", request.atlas, "atlas file to play in the browser");
   app.add_flag("--no-browser", request.no_browser, "print the address alone");
   app.add_option("--port", request.port, "of the address (any that is free)")
       ->check(CLI::Range(kLeastPort, std::uint16_t{65535}));

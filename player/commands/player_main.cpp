@@ -157,10 +157,10 @@ struct CommandLine {
     render = add_render(app, request);
     export_page = add_export(app, export_request);
     info = app.add_subcommand("info", "List grid, structures, counts and sizes");
-    info->add_option("ATLAS", atlas, "atlas file")->required()->check(names_a_file());
+    add_path(*info, "ATLAS", atlas, "atlas file")->required();
     info->add_flag("--json", json, "as a JSON document");
     verify = app.add_subcommand("verify", "Check every byte of an atlas; stops at the first fault");
-    verify->add_option("ATLAS", atlas, "atlas file")->required()->check(names_a_file());
+    add_path(*verify, "ATLAS", atlas, "atlas file")->required();
     add_max_work(*verify, atlas_options.max_work);
     verify->footer(
         "Example:\n  splatlas-player verify brain.atlas\n\nExit status: 0 for an intact file, 3 for a "

@@ -196,7 +196,7 @@ void add_sequences(CLI::App& command, RenderRequest& request) {
 
 CLI::App* add_render(CLI::App& app, RenderRequest& request) {
   CLI::App* command = app.add_subcommand("render", "Render a selection to a picture file, without a window");
-  command->add_option("ATLAS", request.atlas, "atlas file")->required()->check(names_a_file());
+  add_path(*command, "ATLAS", request.atlas, "atlas file")->required();
   add_parsed(*command, "-o,--output", request.output, non_empty<std::filesystem::path>, "must name a file",
              "picture: .png, .jpg, .tif, .exr (linear float RGBA), or .svg and .pdf (vector annotations); - "
              "writes a PNG to standard output; with --turn a new folder");

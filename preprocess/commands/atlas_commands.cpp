@@ -43,10 +43,9 @@ constexpr const char* kLessonExamples =
 CLI::App* add_check(CLI::App& app, CheckRequest& request) {
   CLI::App* check = app.add_subcommand("check", "Look for faults in an atlas, and measure its structures");
   check->footer(kCheckHelp);
-  check->add_option("ATLAS", request.atlas, "atlas file")->required()->check(names_a_file());
-  check->add_option("--report", request.reports.html, "also write structures and findings to FILE.html")
-      ->check(names_a_file());
-  check->add_option("--json", request.reports.json, "also write them to FILE.json")->check(names_a_file());
+  add_path(*check, "ATLAS", request.atlas, "atlas file")->required();
+  add_path(*check, "--report", request.reports.html, "also write structures and findings to FILE.html");
+  add_path(*check, "--json", request.reports.json, "also write them to FILE.json");
   return check;
 }
 
@@ -73,16 +72,13 @@ CLI::App* add_export(CLI::App& app, ExportOptions& options) {
   CLI::App* command =
       app.add_subcommand("export", "Write the labels, volume, surfaces, names or tree of an atlas");
   command->footer(kExportExamples);
-  command->add_option("ATLAS", options.atlas, "atlas file")->required()->check(names_a_file());
-  command
-      ->add_option("--labels", options.labels,
-                   "label map to write; FOLDER/ for one mask per structure; - for NRRD to standard output")
-      ->check(names_a_file());
-  command->add_option("--volume", options.volume, "grey values to write")->check(names_a_file());
+  add_path(*command, "ATLAS", options.atlas, "atlas file")->required();
+  add_path(*command, "--labels", options.labels,
+           "label map to write; FOLDER/ for one mask per structure; - for NRRD to standard output");
+  add_path(*command, "--volume", options.volume, "grey values to write");
   add_repeated(*command, "--surface", options.surfaces, parse_surface,
                "STRUCTURE=FILE: a surface to write (repeatable)");
-  command->add_option("--names", options.names, "names, colours and codes to write, as CSV")
-      ->check(names_a_file());
+  add_path(*command, "--names", options.names, "names, colours and codes to write, as CSV");
   add_choice(*command, "--names-format", options.names_format,
              {{"csv", NamesFormat::kCsv},
               {"itksnap", NamesFormat::kItkSnap},
@@ -93,7 +89,7 @@ CLI::App* add_export(CLI::App& app, ExportOptions& options) {
               {"niivue", NamesFormat::kNiivue}},
              "table of --names")
       ->needs("--names");
-  command->add_option("--tree", options.tree, "hierarchy to write, as paths")->check(names_a_file());
+  add_path(*command, "--tree", options.tree, "hierarchy to write, as paths");
   add_surfaces(*command, options.atlas_options.surfaces);
   add_max_work(*command, options.atlas_options.max_work);
   return command;
@@ -127,13 +123,11 @@ Result<void> run_export(const ExportOptions& options) {
 CLI::App* add_lesson(CLI::App& app, LessonRequest& request) {
   CLI::App* lesson = app.add_subcommand("lesson", "Copy an atlas with other scenes; needs no sources");
   lesson->footer(kLessonExamples);
-  lesson->add_option("ATLAS", request.atlas, "atlas file; stays as it is")->required()->check(names_a_file());
-  lesson
-      ->add_option("--scene", request.scenes,
-                   "TOML files with the scenes, in place of all scenes of the atlas (repeatable)")
-      ->required()
-      ->check(names_a_file());
-  lesson->add_option("-o,--output", request.output, "atlas file to write")->required()->check(names_a_file());
+  add_path(*lesson, "ATLAS", request.atlas, "atlas file; stays as it is")->required();
+  add_path(*lesson, "--scene", request.scenes,
+           "TOML files with the scenes, in place of all scenes of the atlas (repeatable)")
+      ->required();
+  add_path(*lesson, "-o,--output", request.output, "atlas file to write")->required();
   return lesson;
 }
 

@@ -30,11 +30,9 @@ std::string check_text(const std::string& text) {
 
 /// X,Y,Z in mm.
 std::optional<Vec3> parse_spacing(std::string_view text) {
-  const std::vector<std::string_view> parts = split(text, ',');
-  Vec3 spacing{};
-  for (std::size_t n = 0; n < 3 && parts.size() == 3; ++n) spacing[n] = parse_number(parts[n]).value_or(0);
+  const auto spacing = parse_numbers<3>(text);
   const auto is_length = [](double mm) { return mm >= kMinSpacingMm && mm <= kMaxSpacingMm; };
-  return std::ranges::all_of(spacing, is_length) ? std::optional(spacing) : std::nullopt;
+  return spacing && std::ranges::all_of(*spacing, is_length) ? spacing : std::nullopt;
 }
 
 void add_sources(CLI::App& build, SourceFiles& sources) {
@@ -54,7 +52,7 @@ void add_sources(CLI::App& build, SourceFiles& sources) {
       ->check(names_a_file());
   build.add_flag("--as-labels", sources.as_labels,
                  "round the values of a label map, even if they look like grey values");
-  build.add_option("--volume", sources.volume, "grey values")->check(names_a_file());
+  add_path(build, "--volume", sources.volume, "grey values");
   build
       .add_option("--component", sources.volume_options.component,
                   "volume of a --volume file that holds several, from 1")
@@ -72,13 +70,12 @@ void add_sources(CLI::App& build, SourceFiles& sources) {
   add_parsed(build, "--spacing", sources.spacing_mm, parse_spacing,
              "must be X,Y,Z, three lengths in mm above 0",
              "X,Y,Z in mm: size of the voxels of TIFF and PNG pictures");
-  build.add_option("--names", sources.names, "names of the labels, or of surfaces")->check(names_a_file());
+  add_path(build, "--names", sources.names, "names of the labels, or of surfaces");
   Choices<NamesFormat> formats{{"auto", NamesFormat::kAuto}};
   for (const NamesFormatInfo& info : names_formats()) formats.emplace_back(info.option, info.format);
   add_choice(build, "--names-format", sources.names_format, formats, "dialect of --names")->needs("--names");
-  build.add_option("--tree", sources.tree, "hierarchy of the structures")->check(names_a_file());
-  build.add_option("--sides", sources.sides, "FILE or x=MM: split the labels that lie on both sides")
-      ->check(names_a_file())
+  add_path(build, "--tree", sources.tree, "hierarchy of the structures");
+  add_path(build, "--sides", sources.sides, "FILE or x=MM: split the labels that lie on both sides")
       ->needs("--labels");
   add_repeated(build, "--segment", sources.segments, parse_segment,
                "NAME=RULE: a structure from thresholds or a mask (repeatable)");
@@ -124,12 +121,10 @@ CLI::App* add_build(CLI::App& app, BuildRequest& request) {
   CLI::App* build =
       app.add_subcommand("build", "Make an atlas from volumes, labels, names, trees and surfaces");
   build->footer(kBuildHelp);
-  build->add_option("-o,--output", options.output, "atlas file to write")->required()->check(names_a_file());
+  add_path(*build, "-o,--output", options.output, "atlas file to write")->required();
   add_sources(*build, options.sources);
-  build
-      ->add_option("--scene", options.sources.scenes,
-                   "TOML file with named views for a lesson (repeatable; see Scenes)")
-      ->check(names_a_file())
+  add_path(*build, "--scene", options.sources.scenes,
+           "TOML file with named views for a lesson (repeatable; see Scenes)")
       ->expected(1)
       ->allow_extra_args(false)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
@@ -139,11 +134,9 @@ CLI::App* add_build(CLI::App& app, BuildRequest& request) {
   add_repeated(*build, "--drop-fragments", options.fragments, parse_fragments,
                "[NAME=]N: drop components of fewer than N voxels beside the largest one (repeatable)");
   build->add_flag("--strict", options.strict, "stop at the first warning, and write nothing");
-  build
-      ->add_option("--report", request.reports.html,
-                   "also write all notes, findings and structures to FILE.html")
-      ->check(names_a_file());
-  build->add_option("--json", request.reports.json, "the same to FILE.json")->check(names_a_file());
+  add_path(*build, "--report", request.reports.html,
+           "also write all notes, findings and structures to FILE.html");
+  add_path(*build, "--json", request.reports.json, "the same to FILE.json");
   build->add_flag("--compact", options.compact, "leave out data that a player derives in milliseconds");
   add_surfaces(
       *build, options.surfaces,

@@ -45,7 +45,7 @@ int main(int argc, char** argv) try {
   using namespace splatlas;
   CLI::App app("Writes the golden phantom as an atlas.", "splatlas-phantom-atlas");
   std::string path, kind = "whole";
-  app.add_option("FILE", path, "the atlas to write")->required()->check(names_a_file());
+  add_path(app, "FILE", path, "the atlas to write")->required();
   app.add_option("KIND", kind, "damaged: with a flipped byte in the first surface; empty: its grid alone")
       ->check(CLI::IsMember({"whole", "damaged", "empty"}))
       ->capture_default_str();
