@@ -71,17 +71,6 @@ double longest_side(const MmBox& box) {
   return std::ranges::max(difference(box.high, box.low));
 }
 
-IndexBox box_of_labels(const MembershipVolume& memberships, const Grid& grid) {
-  IndexBox box;
-  const auto voxels = memberships.voxels();
-  for (std::int64_t v = 0; v < grid.voxels(); ++v) {
-    if (voxels[static_cast<std::size_t>(v)] == 0) continue;
-    const std::int64_t row = v / grid.size[0];
-    box.include(Index3{v % grid.size[0], row % grid.size[1], row / grid.size[1]});
-  }
-  return box;
-}
-
 void widen(SourceModel& model, const Grid& grid, const Margin& margin) {
   model.memberships.widen(margin);
   for (SourceModel::Segment& segment : model.segments) {
@@ -107,21 +96,16 @@ MmBox box_of(const TriangleMesh& mesh) {
 std::optional<MmBox> labelled_box(const SourceModel& model) {
   if (model.source_grid.voxels() == 0) return std::nullopt;
   const Grid grid = model.storage_grid();
-  IndexBox box = box_of_labels(model.memberships, grid);
-  if (box.empty()) box = {{0, 0, 0}, {grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1}};
-  const Affine to_mm = index_to_lps_mm(grid);
-  MmBox result;
-  for (int corner = 0; corner < 8; ++corner) {
-    Vec3 index;
-    for (std::size_t a = 0; a < 3; ++a)
-      index[a] = static_cast<double>((corner >> a & 1) != 0 ? box.last[a] : box.first[a]);
-    const Vec3 mm = to_mm.apply(index);
-    for (std::size_t a = 0; a < 3; ++a) {
-      result.low[a] = corner == 0 ? mm[a] : std::min(result.low[a], mm[a]);
-      result.high[a] = corner == 0 ? mm[a] : std::max(result.high[a], mm[a]);
-    }
+  const auto voxels = model.memberships.voxels();
+  IndexBox box;
+  for (std::int64_t v = 0; v < grid.voxels(); ++v) {
+    if (voxels[static_cast<std::size_t>(v)] == 0) continue;
+    const std::int64_t row = v / grid.size[0];
+    box.include(Index3{v % grid.size[0], row % grid.size[1], row / grid.size[1]});
   }
-  return result;
+  if (box.empty()) box = {{0, 0, 0}, {grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1}};
+  const auto [low, high] = box_lps_mm(grid, box.first, box.last);
+  return MmBox{low, high};
 }
 
 void note_size(const SourceModel& model, const MeshSource& source, const TriangleMesh& mesh,
