@@ -24,7 +24,7 @@ Result<Vec3> center_of(const std::string& name, const Atlas& atlas) {
   const auto box = bounding_box(atlas, selection);
   if (!box) return fail(ErrorCode::kFailed, "{} has no voxels; name another structure", in_quotes(name));
   Vec3 center{};
-  for (std::size_t a = 0; a < 3; ++a) center[a] = 0.5 * (box->first[a] + box->last[a]);
+  for (std::size_t a = 0; a < 3; ++a) center[a] = 0.5 * (box->first[a] + box->second[a]);
   return center;
 }
 
@@ -77,13 +77,12 @@ Camera zoomed_at(const Camera& camera, double factor, double x, double y, const 
   return result;
 }
 
-std::optional<LpsBox> bounding_box(const Atlas& atlas, const Selection& selection) {
+std::optional<std::pair<Vec3, Vec3>> bounding_box(const Atlas& atlas, const Selection& selection) {
   IndexBox box;
   for (const ClassDraw& draw : atlas.tree().plan(selection).classes)
     box.include(atlas.classes().box(draw.id));
   if (box.empty()) return std::nullopt;
-  const auto [first, last] = box_lps_mm(atlas.grid(), box.first, box.last);
-  return LpsBox{first, last};
+  return box_lps_mm(atlas.grid(), box.first, box.last);
 }
 
 Result<std::optional<Vec3>> center_of(const FrameCenter& center, const Atlas& atlas) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "format/atlas_reader.h"
@@ -31,14 +32,10 @@ namespace splatlas {
 [[nodiscard]] Camera zoomed_at(const Camera& camera, double factor, double x, double y,
                                const PictureSize& size, const Display& display);
 
-/// Axis-aligned box in LPS mm.
-struct LpsBox {
-  Vec3 first, last;  ///< minimum and maximum corner
-};
-
-/// Bounding box of the voxels of the selected structures; none without voxels. Cost: the draw plan of the
-/// selection, and O(1) per selected class; reads nothing from the file.
-[[nodiscard]] std::optional<LpsBox> bounding_box(const Atlas& atlas, const Selection& selection);
+/// Bounding box of the voxels of the selected structures, as of box_lps_mm(); none without voxels. Cost: the
+/// draw plan of the selection, and O(1) per selected class; reads nothing from the file.
+[[nodiscard]] std::optional<std::pair<Vec3, Vec3>> bounding_box(const Atlas& atlas,
+                                                                const Selection& selection);
 
 /// The point of a centre; none for that of the fit. kNotFound for unknown names; kFailed for structures
 /// without voxels. Thread-safe, linear in the classes.

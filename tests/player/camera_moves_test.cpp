@@ -77,11 +77,11 @@ TEST(CameraMovesTest, BoundingBoxesHoldTheSelectedVoxels) {
   const auto of_a = bounding_box(*atlas, selection_of("a", atlas->graph()));
   ASSERT_TRUE(of_a);
   EXPECT_EQ(of_a->first, (Vec3{11.5, 25, 29.75}));
-  EXPECT_EQ(of_a->last, (Vec3{12.5, 27, 31.75}));
+  EXPECT_EQ(of_a->second, (Vec3{12.5, 27, 31.75}));
   const auto of_all = bounding_box(*atlas, selection_of("*:surface", atlas->graph()));
   ASSERT_TRUE(of_all);
   EXPECT_EQ(of_all->first, of_a->first);
-  EXPECT_EQ(of_all->last, (Vec3{17.5, 37, 34.75}));
+  EXPECT_EQ(of_all->second, (Vec3{17.5, 37, 34.75}));
   EXPECT_FALSE(bounding_box(*atlas, Selection{}));
 }
 
