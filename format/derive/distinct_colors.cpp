@@ -218,8 +218,7 @@ std::vector<Rgb> distinct_colors(std::span<const std::vector<StructureIndex>> ne
     double farthest = -1;
     std::size_t best = 0;
     for (std::size_t n = 0; n < (has_wish ? shades.size() : palette.size()) && farthest < kApart; ++n) {
-      const Rgb color =
-          has_wish ? n == 0 ? *wished[s] : shade_of(*wished[s], shades[n]) : default_color(palette[n].second);
+      const Rgb color = has_wish ? shade_of(*wished[s], shades[n]) : default_color(palette[n].second);
       const SeenColor looks = seen(color);
       double apart = kApart;
       for (const StructureIndex other : neighbors[s])
