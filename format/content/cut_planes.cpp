@@ -56,9 +56,7 @@ std::optional<CutPlane> parse_cut(std::string_view text) {
 
 Result<CutPlanes> parse_cuts(std::string_view text) {
   CutPlanes cuts;
-  while (!text.empty()) {
-    const std::string_view word = text.substr(0, text.find(' '));
-    text.remove_prefix(std::min(word.size() + 1, text.size()));
+  for (const std::string_view word : split(text, ' ')) {
     if (word.empty()) continue;
     const auto plane = parse_cut(word);
     if (!plane) return fail(ErrorCode::kUsage, "cut {}: {}", in_quotes(word), kCutForms);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -76,17 +77,11 @@ OptionResult read_end(std::string_view value, std::string_view name, std::option
 
 /// Parses "grey:opacity" or "grey:opacity:shade".
 std::optional<TransferPoint> point_of(std::string_view text) {
-  const auto part = [&text] {
-    const std::size_t end = std::min(text.find(':'), text.size());
-    const std::string_view first = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
-    return first;
-  };
-  const bool has_shade = std::count(text.begin(), text.end(), ':') == 2;
-  if (!has_shade && std::count(text.begin(), text.end(), ':') != 1) return std::nullopt;
-  const auto grey = number_of<double>(part());
-  const auto opacity = number_of<float>(part());
-  const auto shade = has_shade ? number_of<float>(part()) : 1.0f;
+  const std::vector<std::string_view> parts = split(text, ':');
+  if (parts.size() != 2 && parts.size() != 3) return std::nullopt;
+  const auto grey = number_of<double>(parts[0]);
+  const auto opacity = number_of<float>(parts[1]);
+  const auto shade = parts.size() == 3 ? number_of<float>(parts[2]) : 1.0f;
   if (!grey || !opacity || !shade) return std::nullopt;
   return TransferPoint{*grey, *opacity == 1 ? kMaxVolumeOpacity : *opacity, *shade};
 }

@@ -1,7 +1,5 @@
 #include "player/files/picture_encoder.h"
 
-#include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <span>
@@ -10,6 +8,7 @@
 
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"
+#include "format/text/ascii_text.h"
 #include "player/write_png.h"
 
 namespace splatlas {
@@ -101,9 +100,7 @@ Result<Bytes> encode_pdf(TextDrawer& drawer, const Picture& picture, std::option
 }  // namespace
 
 std::string lower_ending(const std::filesystem::path& path) {
-  std::string ending = path.extension().string();
-  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  return ending;
+  return to_lower(path.extension().string());
 }
 
 Result<Bytes> encode_pixels(void* function, const PixelsToEncode& pixels) {

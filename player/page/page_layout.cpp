@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "format/tasks/task_control.h"
+#include "format/text/ascii_text.h"
 
 namespace splatlas {
 namespace {
@@ -132,12 +133,8 @@ void PageLayout::cover(const PageBox& box, std::string_view item) {
 void PageLayout::place_paragraph(std::string_view words, double points, FontStyle style, Rgb Inks::*ink) {
   const auto width = [&](std::string_view part) { return width_of(part, points, style); };
   std::vector<std::string> lines;
-  for (std::size_t at = 0; at <= words.size(); ++at) {
-    const std::size_t end = std::min(words.find('\n', at), words.size());
-    for (std::string& line : wrap_text(words.substr(at, end - at), page.width(), width))
-      lines.push_back(std::move(line));
-    at = end;
-  }
+  for (const std::string_view paragraph : split(words, '\n'))
+    for (std::string& line : wrap_text(paragraph, page.width(), width)) lines.push_back(std::move(line));
   const double leading = kLineSpacing * points * pt;
   for (std::size_t n = lines.size(); n-- > 0; figure.bottom -= leading) {
     layer.texts.push_back(text(lines[n], page.left, figure.bottom - kDescent * points * pt, points, style));
@@ -340,11 +337,7 @@ std::vector<std::string> balanced_lines(std::string_view text, double max_width,
                                         const std::function<double(std::string_view)>& width_of) {
   // The longest word is the narrowest line, unless it has to be broken
   double narrow = 0;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find(' ', at), text.size());
-    narrow = std::max(narrow, width_of(text.substr(at, end - at)));
-    at = end + 1;
-  }
+  for (const std::string_view word : split(text, ' ')) narrow = std::max(narrow, width_of(word));
   narrow = std::min(narrow, max_width);
   double wide = max_width;
   std::vector<std::string> lines = wrap_text(text, wide, width_of);

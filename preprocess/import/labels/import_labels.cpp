@@ -83,11 +83,6 @@ VoxelBuffer likely(const VoxelBuffer& voxels) {
   });
 }
 
-std::uint64_t count_voxels(const VoxelBuffer& voxels) {
-  return static_cast<std::uint64_t>(
-      std::ranges::count_if(mask_of(voxels), [](std::uint8_t in) { return in != 0; }));
-}
-
 /// The grid that holds all files, if they lie on one lattice; else the one that most of them have. Reads all
 /// of them: only for folders where they differ.
 Result<Grid> common_grid(const std::vector<fs::path>& files) {
@@ -156,7 +151,7 @@ class MaskFolder {
     ResampledStructure sizes;
     sizes.name = name;
     if (is_resampled) {
-      sizes.voxels_before = count_voxels(image.voxels);
+      sizes.voxels_before = static_cast<std::uint64_t>(std::ranges::count(mask_of(image.voxels), 1));
       sizes.ml_before = static_cast<double>(sizes.voxels_before) * voxel_volume_mm3(image.grid) / 1000;
     }
     if (!have_same_voxels(labels_.source_grid, image.grid)) {
