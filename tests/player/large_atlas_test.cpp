@@ -208,8 +208,7 @@ TEST_F(LargeAtlas, RendersAsTheSmallOneDoes) {
         Frame of_large, of_small;
         for (auto [renderer, frame] : {std::pair(&large, &of_large), std::pair(&small, &of_small)}) {
           ASSERT_TRUE(renderer->select(selection_of(text, renderer->atlas().graph())));
-          const auto rendered = renderer->render(camera, {.size = {40, 40}}, *frame);
-          ASSERT_TRUE(rendered) << rendered.error().message;
+          value_or_throw(renderer->render(camera, {.size = {40, 40}}, *frame));
         }
         // At 2000 voxels, single precision resolves 2^-13 voxels, and grey values jump between voxels.
         EXPECT_GT(std::ranges::max(of_small.picture.rgba), 0.2f);

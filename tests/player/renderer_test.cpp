@@ -28,10 +28,9 @@ TEST(Renderer, DropsEarlierSelectionsAboveTheMemoryLimit) {
   volume.structures = {{"left", box_mask(volume.grid.size, {4, 4, 4}, {60, 120, 60})},
                        {"right", box_mask(volume.grid.size, {64, 4, 4}, {120, 120, 60})}};
   const AtlasContent content = make_content(volume);
-  const auto bytes = encode_atlas(content);
-  ASSERT_TRUE(bytes);
+  const auto bytes = value_or_throw(encode_atlas(content));
   const auto decoded_again = [&](std::uint64_t max_memory_bytes, Picture& picture) {
-    const auto atlas = *Atlas::open_bytes(*bytes);
+    const auto atlas = *Atlas::open_bytes(bytes);
     Renderer renderer(atlas, {1, max_memory_bytes});
     std::uint64_t before = 0;
     for (const char* text : {"left:surface", "right:surface", "left:surface"}) {
@@ -61,17 +60,16 @@ TEST(Renderer, ReadsNothingOfWhatIsNotSelected) {
         {fmt::format("s{}", s), box_mask(volume.grid.size, first, {first[0] + 9, first[1] + 9, 19})});
   }
   const AtlasContent content = make_content(volume);
-  const auto bytes = encode_atlas(content);
-  ASSERT_TRUE(bytes);
+  const auto bytes = value_or_throw(encode_atlas(content));
   for (const char* text : {"s5", "s5:surface", "s5:both + s9", "s0 + s15:surface", "*", ""}) {
-    const auto atlas = *Atlas::open_bytes(*bytes);
+    const auto atlas = *Atlas::open_bytes(bytes);
     Renderer renderer(atlas, {1, 0});  // several threads may decode a shared chunk twice
     const Selection selection = selection_of(text, content.graph);
     ASSERT_TRUE(renderer.select(selection));
     EXPECT_EQ(atlas->counters().decoded, 0u) << "reading waits for a view";
     (void)render_or_throw(renderer, Camera::of(NamedView::kLeft));
 
-    const auto asked = *Atlas::open_bytes(*bytes);
+    const auto asked = *Atlas::open_bytes(bytes);
     const DrawPlan plan = asked->tree().plan(selection);
     for (const ClassDraw& draw : plan.classes) {
       if (draw.role == VoxelRole::kSurface) continue;

@@ -54,8 +54,7 @@ class BuildAtlas : public testing::Test {
     back.atlas = file("a.atlas");
     back.labels = labels.empty() ? "" : file(labels);
     if (!volume.empty()) back.volume = file(volume);
-    const auto written = export_atlas(back);
-    ASSERT_TRUE(written) << written.error().message;
+    const auto written = value_or_throw(export_atlas(back));
   }
   TemporaryFolder folder_;
 };

@@ -226,10 +226,9 @@ constexpr BadDirectory kTermTexts[] = {
 TEST(BadFiles, WithBadTerms) {
   RawAtlas atlas = raw_atlas(good_file());
   add_terms(atlas.directory);
-  const auto good = Atlas::open_bytes(file_of(atlas));
-  ASSERT_TRUE(good) << good.error().message;
-  EXPECT_EQ((*good)->graph()[0].terms, (std::vector<Term>{{"v", "code"}}));
-  EXPECT_TRUE((*good)->graph()[1].terms.empty());
+  const auto good = value_or_throw(Atlas::open_bytes(file_of(atlas)));
+  EXPECT_EQ(good->graph()[0].terms, (std::vector<Term>{{"v", "code"}}));
+  EXPECT_TRUE(good->graph()[1].terms.empty());
   expect_faults(kTerms, "F: invalid: inconsistent offsets of directory tables of terms", in_directory);
   expect_faults(kTermTexts, "F: invalid: term of structure 0 {}", in_directory);
 }
@@ -272,9 +271,8 @@ TEST(BadFiles, WithBadTextsOfScenes) {
   RawAtlas atlas = raw_atlas(good_file());
   add_scene_text(atlas.directory);
   add_scene_views(atlas.directory);
-  const auto good = Atlas::open_bytes(file_of(atlas));
-  ASSERT_TRUE(good) << good.error().message;
-  const Scene& scene = (*good)->scenes().front();
+  const auto good = value_or_throw(Atlas::open_bytes(file_of(atlas)));
+  const Scene& scene = good->scenes().front();
   EXPECT_EQ((std::array{scene.name, scene.question, scene.cuts, scene.center}),
             (std::array<std::string, 4>{"First", "why", "left=1", ""}));
   EXPECT_TRUE(scene.perspective);

@@ -81,12 +81,11 @@ TEST(ClassTable, RenumberingCarriesEverything) {
 
 TEST(ClassStorageOrder, FollowsThePreorderInteriorBeforeBoundary) {
   // Preorder: brain (0), left (2), gyrus (1), right (3).
-  const auto graph = StructureGraph::build({{.id = "brain"},
-                                            {.id = "gyrus", .parents = {2}},
-                                            {.id = "left", .parents = {0}},
-                                            {.id = "right", .parents = {0}}});
-  ASSERT_TRUE(graph);
-  ASSERT_THAT(std::vector(graph->preorder().begin(), graph->preorder().end()),
+  const auto graph = value_or_throw(StructureGraph::build({{.id = "brain"},
+                                                           {.id = "gyrus", .parents = {2}},
+                                                           {.id = "left", .parents = {0}},
+                                                           {.id = "right", .parents = {0}}}));
+  ASSERT_THAT(std::vector(graph.preorder().begin(), graph.preorder().end()),
               testing::ElementsAre(0, 2, 1, 3));
   const std::vector<Members> expected{
       {},
@@ -107,7 +106,7 @@ TEST(ClassStorageOrder, FollowsThePreorderInteriorBeforeBoundary) {
     std::shuffle(first_seen.begin(), first_seen.end(), random);
     ClassTable table;
     for (const std::size_t e : first_seen) table.intern(expected[e]);
-    const ClassTable stored = table.renumbered(storage_order(table, *graph));
+    const ClassTable stored = table.renumbered(storage_order(table, graph));
     ASSERT_EQ(stored.size(), expected.size());
     for (ClassId c = 0; c < stored.size(); ++c) {
       Members sorted = expected[c];

@@ -50,10 +50,9 @@ TEST(StructureGraph, ListsEveryWayFromARoot) {
 }
 
 TEST(StructureGraph, AnEmptyOneIsFine) {
-  const auto graph = StructureGraph::build({});
-  ASSERT_TRUE(graph);
-  EXPECT_EQ(graph->size(), 0u);
-  EXPECT_THAT(list(graph->preorder()), IsEmpty());
+  const auto graph = value_or_throw(StructureGraph::build({}));
+  EXPECT_EQ(graph.size(), 0u);
+  EXPECT_THAT(list(graph.preorder()), IsEmpty());
 }
 
 TEST(StructureGraph, RefusesEachFault) {
@@ -115,11 +114,10 @@ TEST(StructureGraph, ManyWaysCostNothingUntilTheyAreListed) {
     const auto level = static_cast<StructureIndex>(s / 2 * 2);
     if (s >= 2) structures[s].parents = {level - 2, level - 1};
   }
-  const auto graph = StructureGraph::build(structures);
-  ASSERT_TRUE(graph);
-  EXPECT_EQ(graph->preorder().size(), 200u);
-  EXPECT_EQ(graph->descendants(0).size(), 199u);
-  EXPECT_EQ(graph->paths(199).size(), 64u);
+  const auto graph = value_or_throw(StructureGraph::build(structures));
+  EXPECT_EQ(graph.preorder().size(), 200u);
+  EXPECT_EQ(graph.descendants(0).size(), 199u);
+  EXPECT_EQ(graph.paths(199).size(), 64u);
 }
 
 RC_GTEST_PROP(StructureGraph, OrdersFollowTheirDefinitions, ()) {

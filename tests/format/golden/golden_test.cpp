@@ -25,14 +25,12 @@ TEST(Golden, FilesHoldWhatTheyHeld) {
   for (const fs::directory_entry& entry : fs::directory_iterator(fs::path(SPLATLAS_GOLDEN) / "1.0")) {
     if (entry.path().extension() != ".atlas") continue;
     ++files;
-    const auto atlas = Atlas::open(entry.path());
-    ASSERT_TRUE(atlas) << atlas.error().message;
-    EXPECT_EQ((*atlas)->format_version(), "1.0");
-    const auto valid = (*atlas)->verify();
+    const auto atlas = value_or_throw(Atlas::open(entry.path()));
+    EXPECT_EQ(atlas->format_version(), "1.0");
+    const auto valid = atlas->verify();
     EXPECT_TRUE(valid) << valid.error().message;
-    const auto content = (*atlas)->read_all();
-    ASSERT_TRUE(content) << content.error().message;
-    EXPECT_EQ(content_text(*content), expected_text(entry.path())) << entry.path();
+    const auto content = value_or_throw(atlas->read_all());
+    EXPECT_EQ(content_text(content), expected_text(entry.path())) << entry.path();
   }
   EXPECT_EQ(files, golden_contents().size());
 }
@@ -42,11 +40,10 @@ TEST(Golden, FilesHoldWhatTheyHeld) {
 TEST(Golden, ContentsComeBackAsTheyWere) {
   const std::string good = content_text(golden_contents().front().content);
   for (const GoldenContent& golden : golden_contents()) {
-    const auto atlas = Atlas::open_bytes(
-        encode_atlas(golden.content, {.compact = golden.compact, .means_from = golden.means_from}).value());
-    ASSERT_TRUE(atlas) << golden.name << ": " << atlas.error().message;
+    const auto atlas = value_or_throw(Atlas::open_bytes(
+        encode_atlas(golden.content, {.compact = golden.compact, .means_from = golden.means_from}).value()));
     const std::string text = content_text(golden.content);
-    EXPECT_EQ(content_text((*atlas)->read_all().value()), text) << golden.name;
+    EXPECT_EQ(content_text(atlas->read_all().value()), text) << golden.name;
     const std::string name = golden.name + ".txt";
     EXPECT_EQ(golden.name == "good" ? text : text_beside(good, text),
               read_bytes(fs::path(SPLATLAS_GOLDEN) / "1.0" / name))

@@ -106,10 +106,9 @@ TEST_F(OutputFileTest, WritesIntoFoldersThatMayNotBeListed) {
 TEST_F(OutputFileTest, IsPrivateBeforeCommitIfTheOldFileIs) {
   ASSERT_EQ(write(path, "one"), "");
   ASSERT_EQ(::chmod(path.c_str(), 0600), 0);
-  auto file = OutputFile::create(path);
-  ASSERT_TRUE(file);
-  EXPECT_EQ(std::filesystem::status(file->temporary()).permissions(), std::filesystem::perms{0600});
-  ASSERT_TRUE(commit_files({&*file, 1}));
+  auto file = value_or_throw(OutputFile::create(path));
+  EXPECT_EQ(std::filesystem::status(file.temporary()).permissions(), std::filesystem::perms{0600});
+  ASSERT_TRUE(commit_files({&file, 1}));
   EXPECT_EQ(std::filesystem::status(path).permissions(), std::filesystem::perms{0600});
 }
 
@@ -125,16 +124,14 @@ TEST_F(OutputFileTest, ReadsBackWhatItWrote) {
   ASSERT_EQ(write(path, "old"), "");
   const std::string text(3'000'000, 'x');
   for (const bool shorter : {false, true}) {
-    auto file = OutputFile::create(path);
-    ASSERT_TRUE(file);
-    ASSERT_TRUE(file->write(std::as_bytes(std::span(text))));
+    auto file = value_or_throw(OutputFile::create(path));
+    ASSERT_TRUE(file.write(std::as_bytes(std::span(text))));
     if (shorter) {
-      std::filesystem::resize_file(file->temporary(), text.size() - 1);
+      std::filesystem::resize_file(file.temporary(), text.size() - 1);
     } else {
-      std::fstream(file->temporary(), std::ios::in | std::ios::out | std::ios::binary).seekp(2'345'678)
-          << 'y';
+      std::fstream(file.temporary(), std::ios::in | std::ios::out | std::ios::binary).seekp(2'345'678) << 'y';
     }
-    EXPECT_EQ(message_of(commit_files({&*file, 1})),
+    EXPECT_EQ(message_of(commit_files({&file, 1})),
               path.string() + ": cannot be written: other bytes come back from the disk than were written");
   }
   EXPECT_EQ(read_bytes(path), "old");
@@ -174,10 +171,9 @@ TEST_F(OutputFileTest, LibrariesWriteToItsPath) {
 /// A folder that appears at the target's path stays.
 TEST_F(OutputFileTest, DoesNotReplaceAFolder) {
   {
-    auto file = OutputFile::create(path);
-    ASSERT_TRUE(file);
+    auto file = value_or_throw(OutputFile::create(path));
     std::filesystem::create_directory(path);
-    EXPECT_THAT(message_of(commit_files({&*file, 1})), HasSubstr("cannot be written: Is a directory"));
+    EXPECT_THAT(message_of(commit_files({&file, 1})), HasSubstr("cannot be written: Is a directory"));
   }
   EXPECT_THAT(folder.names(), ElementsAre("out.atlas"));
 }
@@ -187,10 +183,9 @@ TEST_F(OutputFileTest, OfSeveralNoneIsRenamedBeforeAllAreComplete) {
   for (const bool fails : {true, false}) {
     std::vector<OutputFile> files;
     for (const char* name : {"out.atlas", "stats.json"}) {
-      auto file = OutputFile::create(folder.path() / name);
-      ASSERT_TRUE(file);
-      ASSERT_TRUE(file->write(std::as_bytes(std::span("new", 3))));
-      files.push_back(std::move(*file));
+      auto file = value_or_throw(OutputFile::create(folder.path() / name));
+      ASSERT_TRUE(file.write(std::as_bytes(std::span("new", 3))));
+      files.push_back(std::move(file));
     }
     if (fails) std::ofstream(files[1].temporary()) << "newer";
     const auto committed = commit_files(files);

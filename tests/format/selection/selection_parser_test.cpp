@@ -21,9 +21,8 @@ SelectionTerm only_term(std::string_view text) {
 
 TEST(ParseSelection, NothingHasNoTerms) {
   for (const char* text : {"", " ", " \t\n "}) {
-    const auto terms = parse_selection(text);
-    ASSERT_TRUE(terms) << text;
-    EXPECT_TRUE(terms->empty());
+    const auto terms = value_or_throw(parse_selection(text));
+    EXPECT_TRUE(terms.empty());
   }
 }
 
@@ -69,14 +68,13 @@ TEST(ParseSelection, ReadsLabels) {
     EXPECT_EQ(term.target, TermTarget::kLabel) << text;
     EXPECT_EQ(term.label, label);
   }
-  const auto terms = parse_selection("#1:surface(opacity=0.5)+#2 - #3:volume-#4");
-  ASSERT_TRUE(terms);
-  ASSERT_EQ(terms->size(), 4u);
-  EXPECT_EQ((*terms)[0].name, "#1");
-  EXPECT_EQ((*terms)[0].mode, DrawMode::kSurface);
-  EXPECT_EQ((*terms)[0].opacity, 0.5f);
-  EXPECT_EQ((*terms)[2].label, 3);
-  EXPECT_TRUE((*terms)[3].remove);
+  const auto terms = value_or_throw(parse_selection("#1:surface(opacity=0.5)+#2 - #3:volume-#4"));
+  ASSERT_EQ(terms.size(), 4u);
+  EXPECT_EQ(terms[0].name, "#1");
+  EXPECT_EQ(terms[0].mode, DrawMode::kSurface);
+  EXPECT_EQ(terms[0].opacity, 0.5f);
+  EXPECT_EQ(terms[2].label, 3);
+  EXPECT_TRUE(terms[3].remove);
   EXPECT_EQ(only_term("\"#17\"").target, TermTarget::kName);
   EXPECT_EQ(only_term("\"#17\"").name, "#17");
 }
@@ -143,13 +141,12 @@ TEST(ParseSelection, TakesAsManyPointsAsACurveMayHave) {
 }
 
 TEST(ParseSelection, SignsNeedNoBlanks) {
-  const auto terms = parse_selection("A+B-C:surface+D");
-  ASSERT_TRUE(terms);
-  ASSERT_EQ(terms->size(), 4u);
-  EXPECT_EQ((*terms)[1].name, "B");
-  EXPECT_TRUE((*terms)[2].remove);
-  EXPECT_EQ((*terms)[2].mode, DrawMode::kSurface);
-  EXPECT_FALSE((*terms)[3].remove);
+  const auto terms = value_or_throw(parse_selection("A+B-C:surface+D"));
+  ASSERT_EQ(terms.size(), 4u);
+  EXPECT_EQ(terms[1].name, "B");
+  EXPECT_TRUE(terms[2].remove);
+  EXPECT_EQ(terms[2].mode, DrawMode::kSurface);
+  EXPECT_FALSE(terms[3].remove);
 }
 
 TEST(ParseSelection, NamesTheColumnOfEachFault) {

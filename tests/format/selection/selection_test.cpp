@@ -48,10 +48,9 @@ constexpr DrawMode kBoth = DrawMode::kBoth;
 const StructureDraw kOff{};
 
 TEST(Selection, NothingSelectsNothing) {
-  const auto selection = Selection::parse("", brain());
-  ASSERT_TRUE(selection);
-  EXPECT_EQ(selection->structures, std::vector<StructureDraw>(6));
-  EXPECT_TRUE(selection->empty());
+  const auto selection = value_or_throw(Selection::parse("", brain()));
+  EXPECT_EQ(selection.structures, std::vector<StructureDraw>(6));
+  EXPECT_TRUE(selection.empty());
   EXPECT_TRUE(Selection{}.empty());
   EXPECT_FALSE(Selection::parse("A", brain())->empty());
 }
@@ -119,9 +118,8 @@ TEST(Selection, NamesWithHyphensNeedQuotes) {
 TEST(Selection, EverythingOfNothingIsNothing) {
   const StructureGraph none = *StructureGraph::build({});
   for (const char* text : {"*", "*:surface", "\"*\":both(opacity=0.5)", "* - *", ""}) {
-    const auto selection = Selection::parse(text, none);
-    ASSERT_TRUE(selection) << text << ": " << selection.error().message;
-    EXPECT_TRUE(selection->structures.empty());
+    const auto selection = value_or_throw(Selection::parse(text, none));
+    EXPECT_TRUE(selection.structures.empty());
   }
   for (const char* text : {"A", "A*", "**", "*/*"}) {
     EXPECT_THAT(Selection::parse(text, none), FailsWith(ErrorCode::kNotFound, HasSubstr("there are none")))
@@ -221,13 +219,12 @@ RC_GTEST_PROP(Selection, EveryStructureFollowsTheRules, ()) {
 
 /// Selections come from files: the task ends them.
 TEST(Selection, BelongsToTheTask) {
-  const auto terms = parse_selection("A + Brain/Left/A + *");
-  ASSERT_TRUE(terms);
+  const auto terms = value_or_throw(parse_selection("A + Brain/Left/A + *"));
   std::stop_source stop;
   stop.request_stop();
   const TaskControl task(stop.get_token(), {});
   EXPECT_THROW(static_cast<void>(parse_selection("A")), Cancelled);
-  EXPECT_THROW(static_cast<void>(resolve_selection({&(*terms)[0], 1}, brain())), Cancelled);
+  EXPECT_THROW(static_cast<void>(resolve_selection({&terms[0], 1}, brain())), Cancelled);
   for (const std::string_view name : {"Brain/Left/A", "*"})
     EXPECT_THROW(static_cast<void>(brain().find(name)), Cancelled) << name;
 }

@@ -81,9 +81,8 @@ TEST(FindStructures, TermsCountWhereNothingElseFits) {
                                        {"Half_*", {1, 2}},
                                        {"marg*", {3, 4}},
                                        {"c*e", {0}}}) {  // the name hides the term of structure 2
-    const auto found = graph.find(text);
-    ASSERT_TRUE(found) << text << found.error().message;
-    EXPECT_EQ(*found, expected) << text;
+    const auto found = value_or_throw(graph.find(text));
+    EXPECT_EQ(found, expected) << text;
   }
   EXPECT_EQ(
       message_of(graph.find("margo")),
@@ -142,9 +141,8 @@ TEST(FindNamed, TakesNamesQuotedOrNotAndLabels) {
                                        {"\"rest\"", 1},
                                        {"\"#3\"", 2},
                                        {"*rebrum", 0}}) {
-    const auto found = graph.find_named(text);
-    ASSERT_TRUE(found) << text << found.error().message;
-    EXPECT_THAT(*found, ElementsAre(expected)) << text;
+    const auto found = value_or_throw(graph.find_named(text));
+    EXPECT_THAT(found, ElementsAre(expected)) << text;
   }
   EXPECT_THAT(graph.find_named("#4"), FailsWith(ErrorCode::kNotFound, HasSubstr("has the label 4")));
   EXPECT_THAT(graph.find_named("d"), FailsWith(ErrorCode::kNotFound, HasSubstr("the nearest: ")));

@@ -100,10 +100,7 @@ std::vector<bool> columns_of(const TextCoverage& text) {
 
 struct DrawText : testing::Test {
   TextDrawer drawer{std::filesystem::path()};
-  void SetUp() override {
-    const Result<void> ready = drawer.wait();
-    ASSERT_TRUE(ready) << ready.error().message;
-  }
+  void SetUp() override { value_or_throw(drawer.wait()); }
   [[nodiscard]] TextCoverage drawn(const std::string& text, double x, double size) const {
     const auto coverage = drawer->draw({text, x, 30, 0, size, FontStyle::kRegular, {}});
     EXPECT_TRUE(coverage);

@@ -161,9 +161,8 @@ TEST_F(BuildAtlas, OverlappingMasksComeBackAsMasks) {
 
   BuildOptions build_options = options();
   build_options.sources.labels = file("masks");
-  const Result<BuildReport> report = build_atlas(build_options);
-  ASSERT_TRUE(report) << report.error().message;
-  EXPECT_THAT(messages_of(report->notes), ElementsAre("1 mask without voxels is dropped: spleen"));
+  const BuildReport report = value_or_throw(build_atlas(build_options));
+  EXPECT_THAT(messages_of(report.notes), ElementsAre("1 mask without voxels is dropped: spleen"));
   const auto atlas = *Atlas::open(file("a.atlas"));
   // The larger one first, so that the more specific one has the higher number.
   ASSERT_EQ(atlas->graph().size(), 2u);
@@ -180,9 +179,8 @@ TEST_F(BuildAtlas, OverlappingMasksComeBackAsMasks) {
   ASSERT_TRUE(export_atlas(back));
   for (const auto& [name, image] :
        {std::pair<const char*, const Image*>{"body", &body}, {"a_heart", &heart}}) {
-    const Result<Image> out = import_image(file(std::string("masks_back/") + name + ".nii.gz"));
-    ASSERT_TRUE(out) << out.error().message;
-    EXPECT_EQ(out->voxels, image->voxels);
+    const Image out = value_or_throw(import_image(file(std::string("masks_back/") + name + ".nii.gz")));
+    EXPECT_EQ(out.voxels, image->voxels);
   }
   EXPECT_THAT(export_atlas(back).error().message, HasSubstr("not an empty folder"));
 }
@@ -247,9 +245,8 @@ TEST_F(BuildAtlas, ResampledStructuresHaveTheirFinalNames) {
   build_options.sources.resample = ResampleTo::kVolume;
   build_options.sources.names = file("names.txt");
   write_bytes(file("names.txt"), "7 Spleen\n");
-  const Result<BuildReport> report = build_atlas(build_options);
-  ASSERT_TRUE(report) << report.error().message;
-  EXPECT_THAT(messages_of(report->notes),
+  const BuildReport report = value_or_throw(build_atlas(build_options));
+  EXPECT_THAT(messages_of(report.notes),
               testing::Contains(HasSubstr("Spleen (2 voxels, 0.002 ml, become 4 voxels, 0.002 ml)")));
 
   // A voxel that lies between those of the volume is lost, under the name of the table.
@@ -259,12 +256,11 @@ TEST_F(BuildAtlas, ResampledStructuresHaveTheirFinalNames) {
   build_options.output = file("b.atlas");
   build_options.sources.resample = ResampleTo::kVolume;
   build_options.sources.names = file("names.txt");
-  const Result<BuildReport> lost = build_atlas(build_options);
-  ASSERT_TRUE(lost) << lost.error().message;
+  const BuildReport lost = value_or_throw(build_atlas(build_options));
   EXPECT_THAT(
-      messages_of(lost->notes),
+      messages_of(lost.notes),
       testing::Contains("1 structure has no voxel left on the other grid: Spleen (2 voxels, 0.002 ml)"));
-  EXPECT_THAT(messages_of(lost->notes), testing::Not(testing::Contains(HasSubstr("and is dropped"))));
+  EXPECT_THAT(messages_of(lost.notes), testing::Not(testing::Contains(HasSubstr("and is dropped"))));
 }
 
 TEST_F(BuildAtlas, EveryStructureHasANameOfItsOwn) {

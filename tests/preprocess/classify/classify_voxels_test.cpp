@@ -39,12 +39,11 @@ Members expected_members(const Masks& masks, const Index3& size, std::span<const
 TEST(ClassifyVoxels, BeyondTheGridIsOutside) {
   const Index3 size{4, 4, 4};
   const Masks all{std::vector<std::uint8_t>(64, 1)};
-  const auto result = classify_voxels(memberships_of(all, size), {}, flat_graph(1));
-  ASSERT_TRUE(result);
-  ASSERT_EQ(result->classes.size(), 3u);
-  EXPECT_EQ(result->classes.voxels(kEmptyClass), 0u);
-  EXPECT_EQ(result->classes.voxels(1), 8u);   // the 2x2x2 core
-  EXPECT_EQ(result->classes.voxels(2), 56u);  // the shell
+  const auto result = value_or_throw(classify_voxels(memberships_of(all, size), {}, flat_graph(1)));
+  ASSERT_EQ(result.classes.size(), 3u);
+  EXPECT_EQ(result.classes.voxels(kEmptyClass), 0u);
+  EXPECT_EQ(result.classes.voxels(1), 8u);   // the 2x2x2 core
+  EXPECT_EQ(result.classes.voxels(2), 56u);  // the shell
 }
 
 TEST(ClassifyVoxels, OneOverlappedByAnotherKeepsItsOwnBoundary) {
@@ -55,11 +54,11 @@ TEST(ClassifyVoxels, OneOverlappedByAnotherKeepsItsOwnBoundary) {
       return std::min({i, j, k}) >= low && std::max({i, j, k}) <= high;
     });
   };
-  const auto result = classify_voxels(memberships_of({box(1, 7), box(3, 5)}, size), {}, flat_graph(2));
-  ASSERT_TRUE(result);
+  const auto result =
+      value_or_throw(classify_voxels(memberships_of({box(1, 7), box(3, 5)}, size), {}, flat_graph(2)));
   std::map<Members, std::uint64_t> counts;
-  for (ClassId c = 0; c < result->classes.size(); ++c) {
-    counts[members_of(result->classes, c)] = result->classes.voxels(c);
+  for (ClassId c = 0; c < result.classes.size(); ++c) {
+    counts[members_of(result.classes, c)] = result.classes.voxels(c);
   }
   const std::map<Members, std::uint64_t> expected{{{}, 729 - 343},
                                                   {{{0, Part::kBoundary}}, 343 - 125},

@@ -128,35 +128,30 @@ TEST(ParseSegment, ReadsRules) {
   EXPECT_EQ(mask->name, "Rest of brain");
   EXPECT_EQ(mask->kind, SegmentRule::Kind::kMask);
   EXPECT_EQ(mask->mask, "a=b.nii");
-  const auto opened = parse_segment("Rest=mask:a.nii:open=1.5");
-  ASSERT_TRUE(opened);
-  EXPECT_EQ(opened->mask, "a.nii");
-  EXPECT_EQ(opened->open_mm, 1.5);
-  const auto overlapping = parse_segment("Tumour=mask:a.nii:open=2:overlap");
-  ASSERT_TRUE(overlapping);
-  EXPECT_TRUE(overlapping->overlaps && !opened->overlaps);
-  EXPECT_EQ(overlapping->mask, "a.nii");
-  EXPECT_EQ(overlapping->open_mm, 2);
-  const auto range = parse_segment("Bone=threshold:-1.5:3e2:close=2.5");
-  ASSERT_TRUE(range);
-  EXPECT_EQ(range->low, -1.5);
-  EXPECT_EQ(range->high, 300);
-  EXPECT_EQ(range->close_mm, 2.5);
+  const auto opened = value_or_throw(parse_segment("Rest=mask:a.nii:open=1.5"));
+  EXPECT_EQ(opened.mask, "a.nii");
+  EXPECT_EQ(opened.open_mm, 1.5);
+  const auto overlapping = value_or_throw(parse_segment("Tumour=mask:a.nii:open=2:overlap"));
+  EXPECT_TRUE(overlapping.overlaps && !opened.overlaps);
+  EXPECT_EQ(overlapping.mask, "a.nii");
+  EXPECT_EQ(overlapping.open_mm, 2);
+  const auto range = value_or_throw(parse_segment("Bone=threshold:-1.5:3e2:close=2.5"));
+  EXPECT_EQ(range.low, -1.5);
+  EXPECT_EQ(range.high, 300);
+  EXPECT_EQ(range.close_mm, 2.5);
   EXPECT_EQ(parse_segment("Bone=threshold:otsu:close=1")->kind, SegmentRule::Kind::kOtsu);
-  const auto isosurface = parse_segment("Skull=iso:-2.5:within= Head, left");
-  ASSERT_TRUE(isosurface);
-  EXPECT_EQ(isosurface->kind, SegmentRule::Kind::kIsosurface);
-  EXPECT_EQ(isosurface->low, -2.5);
-  EXPECT_EQ(isosurface->within, "Head, left");
+  const auto isosurface = value_or_throw(parse_segment("Skull=iso:-2.5:within= Head, left"));
+  EXPECT_EQ(isosurface.kind, SegmentRule::Kind::kIsosurface);
+  EXPECT_EQ(isosurface.low, -2.5);
+  EXPECT_EQ(isosurface.within, "Head, left");
   EXPECT_EQ(parse_segment("Skin=iso:3")->within, "");
-  const auto all = parse_segment(
-      "Lung=threshold:-1000:-500:within=Body:pieces=2:inner:seed=1,2,-3:fill=no:overlap:color=#ff8000");
-  ASSERT_TRUE(all) << all.error().message;
-  EXPECT_EQ(all->within, "Body");
-  EXPECT_EQ(all->pieces, 2u);
-  EXPECT_EQ(all->seed_lps_mm, (Vec3{1, 2, -3}));
-  EXPECT_TRUE(all->inner && !all->fills && all->overlaps);
-  EXPECT_EQ(all->color, (Rgb{255, 128, 0}));
+  const auto all = value_or_throw(parse_segment(
+      "Lung=threshold:-1000:-500:within=Body:pieces=2:inner:seed=1,2,-3:fill=no:overlap:color=#ff8000"));
+  EXPECT_EQ(all.within, "Body");
+  EXPECT_EQ(all.pieces, 2u);
+  EXPECT_EQ(all.seed_lps_mm, (Vec3{1, 2, -3}));
+  EXPECT_TRUE(all.inner && !all.fills && all.overlaps);
+  EXPECT_EQ(all.color, (Rgb{255, 128, 0}));
   for (const char* wrong : {"",
                             "A=threshold:1:pieces=0",
                             "A=threshold:1:seed=1,2",

@@ -78,16 +78,15 @@ TEST_F(ExportSurfaces, HaveTheGeometryThatPlayersDraw) {
     SCOPED_TRACE(ending);
     const std::string bytes = export_surface(smooth, "smooth" + ending, SurfaceChoice::kAsInFile);
     const SurfaceMesh drawn = surface_of(smooth, SurfaceChoice::kAsInFile);
-    const auto back = read_mesh(file("smooth" + ending));
-    ASSERT_TRUE(back) << back.error().message;
-    ASSERT_EQ(back->mesh.triangles.size(), drawn.triangles.size());
+    const auto back = value_or_throw(read_mesh(file("smooth" + ending)));
+    ASSERT_EQ(back.mesh.triangles.size(), drawn.triangles.size());
     for (std::size_t t = 0; t < drawn.triangles.size(); ++t) {
       for (std::size_t n = 0; n < 3; ++n) {
         const auto& [i, j, k] = drawn.positions_ijk[drawn.triangles[t][n]];
         const Vec3 expected = to_mm.apply({i, j, k});
         for (std::size_t a = 0; a < 3; ++a) {
           // Six digits of text, of at most 64 mm
-          EXPECT_NEAR(back->mesh.positions_lps_mm[back->mesh.triangles[t][n]][a], expected[a], 1e-4);
+          EXPECT_NEAR(back.mesh.positions_lps_mm[back.mesh.triangles[t][n]][a], expected[a], 1e-4);
         }
       }
     }
@@ -109,9 +108,8 @@ TEST_F(ExportSurfaces, OfThickSlicesAreThoseOfTheFile) {
   ASSERT_TRUE(atlas->has_levels(0));
   EXPECT_LT(atlas->read_surface(0, 1)->triangles.size(), stored.triangles.size() / 3);
   EXPECT_FALSE(export_surface(thick, "thick.ply", SurfaceChoice::kAsInFile).empty());
-  const auto back = read_mesh(file("thick.ply"));
-  ASSERT_TRUE(back) << back.error().message;
-  EXPECT_EQ(back->mesh.triangles.size(), stored.triangles.size());
+  const auto back = value_or_throw(read_mesh(file("thick.ply")));
+  EXPECT_EQ(back.mesh.triangles.size(), stored.triangles.size());
 }
 
 }  // namespace

@@ -67,9 +67,8 @@ TEST(ExportLabels, WritesTheExtremeLabelsOfEachType) {
                                {VoxelType::kFloat32, 16777216},
                                {VoxelType::kFloat64, 4294967295}}) {
     const auto content = labelled_voxel(extreme.type, extreme.label);
-    const auto labels = label_map(content, "A", "remedy");
-    ASSERT_TRUE(labels) << labels.error().message;
-    const VoxelBuffer back = through_a_file(content, *labels);
+    const auto labels = value_or_throw(label_map(content, "A", "remedy"));
+    const VoxelBuffer back = through_a_file(content, labels);
     visit_voxel_type(extreme.type, [&]<typename T>(T) {
       EXPECT_EQ(static_cast<std::int64_t>(back.as<T>()[0]), extreme.label) << name_of(extreme.type);
       EXPECT_EQ(back.as<T>()[1], T{0});
@@ -101,9 +100,8 @@ TEST(ExportLabels, StructuresWithoutVoxelsNeedNoPlaceInTheLabelMap) {
   content.graph = StructureGraph::build({{.id = "one", .label = 7}, {.id = "two", .label = 300}}).value();
   content.classes.intern({{0, Part::kBoundary}, {1, Part::kBoundary}});
   content.classes.intern({{1, Part::kBoundary}});
-  const auto labels = label_map(content, "A", "remedy");
-  ASSERT_TRUE(labels) << labels.error().message;
-  EXPECT_EQ(through_a_file(content, *labels).bytes, (std::vector{std::byte{7}, std::byte{0}, std::byte{0}}));
+  const auto labels = value_or_throw(label_map(content, "A", "remedy"));
+  EXPECT_EQ(through_a_file(content, labels).bytes, (std::vector{std::byte{7}, std::byte{0}, std::byte{0}}));
 }
 
 TEST(ExportMasks, WritesNrrdFilesOfGridsThatNiftiCannotHold) {
@@ -136,10 +134,9 @@ TEST(ExportMasks, OfTheLongestIdsBuildBack) {
   const TemporaryFolder folder;
   const ExportedMasks masks = export_masks(content, folder.path() / "masks").value();
   EXPECT_THAT(masks.notes, ElementsAre(testing::HasSubstr("1 of the ids are no safe file names")));
-  const Result<ImportedLabels> back = import_mask_folder(folder.path() / "masks");
-  ASSERT_TRUE(back) << back.error().message;
-  ASSERT_EQ(back->structures.size(), 1u);
-  EXPECT_EQ(back->structures[0].name, longest.substr(0, kMaxNameCharacters));
+  const ImportedLabels back = value_or_throw(import_mask_folder(folder.path() / "masks"));
+  ASSERT_EQ(back.structures.size(), 1u);
+  EXPECT_EQ(back.structures[0].name, longest.substr(0, kMaxNameCharacters));
 }
 
 /// Structures at both ends, in the middle, everywhere and nowhere, in every axis order.

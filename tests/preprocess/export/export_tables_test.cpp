@@ -50,15 +50,14 @@ TEST(NamesText, EveryDialectIsReadAsItself) {
     const std::string file = folder.file("names");
     write_bytes(file, names_text(graph, format).value());
     Notes notes;
-    const Result<NamesTable> table = read_names(file, NamesFormat::kAuto, notes);
-    ASSERT_TRUE(table) << table.error().message;
-    EXPECT_EQ(table->dialect, format);
-    ASSERT_EQ(table->names.size(), 3u);
-    EXPECT_EQ(table->names[2].label, 4294967295);
+    const NamesTable table = value_or_throw(read_names(file, NamesFormat::kAuto, notes));
+    EXPECT_EQ(table.dialect, format);
+    ASSERT_EQ(table.names.size(), 3u);
+    EXPECT_EQ(table.names[2].label, 4294967295);
     if (format == NamesFormat::kCsv) {
-      EXPECT_EQ(table->names[0].name, "area, \"one\"");
+      EXPECT_EQ(table.names[0].name, "area, \"one\"");
     }
-    for (const LabelName& name : table->names) {
+    for (const LabelName& name : table.names) {
       if (name.label != 9) continue;
       EXPECT_EQ(name.name, "white/grey");
       if (format != NamesFormat::kMricron) {
@@ -146,25 +145,23 @@ TEST(TreeText, GivesTheSameGraph) {
   const StructureGraph graph = awkward_graph();
   write_bytes(folder.file("tree"), tree_text(graph).value());
   Notes notes;
-  const auto lines = read_tree(folder.file("tree"), notes);
-  ASSERT_TRUE(lines) << lines.error().message;
+  const auto lines = value_or_throw(read_tree(folder.file("tree"), notes));
   // Ids follow from names: those of the atlas are found by their labels.
   std::vector<SourceStructure> sources = sources_of(graph);
   sources[1].name = "b";
-  const auto placed = build_graph(sources, *lines, "tree", notes);
-  ASSERT_TRUE(placed) << placed.error().message;
+  const auto placed = value_or_throw(build_graph(sources, lines, "tree", notes));
   EXPECT_TRUE(notes.empty()) << notes.all()[0].message();
-  ASSERT_EQ(placed->graph.size(), graph.size());
+  ASSERT_EQ(placed.graph.size(), graph.size());
   const auto paths_of = [&](std::int64_t label) {
-    for (StructureIndex s = 0; s < placed->graph.size(); ++s) {
-      if (placed->graph[s].label == label) return placed->graph.paths(s);
+    for (StructureIndex s = 0; s < placed.graph.size(); ++s) {
+      if (placed.graph[s].label == label) return placed.graph.paths(s);
     }
     return std::vector<std::string>();
   };
   EXPECT_THAT(paths_of(7), testing::ElementsAre("Brain/Left/Zone 2/area, \"one\""));
   EXPECT_THAT(paths_of(9), testing::UnorderedElementsAre("Brain/Right/Zone 2/b", "Brain/b"));
   EXPECT_THAT(paths_of(4294967295), testing::ElementsAre("lone area"));
-  for (const Structure& structure : placed->graph.structures()) {
+  for (const Structure& structure : placed.graph.structures()) {
     if (structure.label == 9) {
       EXPECT_EQ(structure.color, (Rgb{0, 255, 1}));
     }

@@ -64,8 +64,7 @@ TEST(WriteImage, ItkReadsTheSameVoxelsAndGrid) {
         const VoxelType type = kVoxelTypes[(n + t) % kVoxelTypes.size()];
         const Image image = random_volume(grid, type, random);
         const std::string path = folder.file("v" + ending);
-        const Result<void> written = committed(write_image(image, path));
-        ASSERT_TRUE(written) << written.error().message;
+        value_or_throw(committed(write_image(image, path)));
         for (const Image& back : {read_by_itk(path), *import_image(path)}) {
           ASSERT_EQ(back.voxels, image.voxels) << ending << " " << name_of(type);
           ASSERT_EQ(message_of(check_same_grid(grid, "written", back.grid, "read")), "");
@@ -189,10 +188,9 @@ TEST(WriteImage, TinyCoordinatesAreZeros) {
     const TemporaryFolder folder;
     const std::string path = folder.file("v" + ending);
     EXPECT_EQ(message_of(committed(write_image(zeros(grid, VoxelType::kUInt8), path))), "");
-    const Result<Image> back = import_image(path);
-    ASSERT_TRUE(back) << back.error().message;
-    EXPECT_EQ(back->grid.direction_lps, Grid{}.direction_lps);
-    EXPECT_EQ(back->grid.origin_lps_mm, Vec3{});
+    const Image back = value_or_throw(import_image(path));
+    EXPECT_EQ(back.grid.direction_lps, Grid{}.direction_lps);
+    EXPECT_EQ(back.grid.origin_lps_mm, Vec3{});
   }
 }
 

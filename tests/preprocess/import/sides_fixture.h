@@ -68,13 +68,12 @@ class Sides : public testing::Test {
  protected:
   /// Expects the marks of `body` where they are, within a thousandth of its smallest spacing.
   void expect_sides(const std::filesystem::path& path, const Body& body) const {
-    const Result<ImportedLabels> labels = import_labels(path);
-    ASSERT_TRUE(labels) << labels.error().message;
-    EXPECT_THAT(messages_of(labels->notes), testing::IsEmpty());
-    ASSERT_EQ(labels->structures.size(), 3u);
+    const ImportedLabels labels = value_or_throw(import_labels(path));
+    EXPECT_THAT(messages_of(labels.notes), testing::IsEmpty());
+    ASSERT_EQ(labels.structures.size(), 3u);
     const double tolerance = 1e-3 * *std::ranges::min_element(body.spacing_mm);
     for (std::uint8_t mark = 1; mark <= 3; ++mark) {
-      const Vec3 expected = body.centroid(mark), found = centroid_of(*labels, structure_of(*labels, mark));
+      const Vec3 expected = body.centroid(mark), found = centroid_of(labels, structure_of(labels, mark));
       for (std::size_t a = 0; a < 3; ++a)
         EXPECT_NEAR(found[a], expected[a], tolerance) << "mark " << int{mark} << " axis " << a;
     }

@@ -68,14 +68,13 @@ TEST_F(Sides, OfLabelsAndVolumesInDifferentOrders) {
         files.volume = folder_.file("grey.nii");
         files.resample = resample;
         Notes notes;
-        const Result<SourceModel> model = import_sources(files, notes);
-        ASSERT_TRUE(model) << model.error().message;
+        const SourceModel model = value_or_throw(import_sources(files, notes));
         EXPECT_THAT(messages_of(notes), IsEmpty()) << n;
-        ASSERT_EQ(model->values.type, VoxelType::kUInt8);
-        const auto voxels = model->memberships.voxels();
+        ASSERT_EQ(model.values.type, VoxelType::kUInt8);
+        const auto voxels = model.memberships.voxels();
         for (std::size_t v = 0; v < voxels.size(); ++v) {
-          const auto& set = model->memberships.sets()[voxels[v]];
-          ASSERT_EQ(model->values.as<std::uint8_t>()[v], set.empty() ? 0 : 10 * (1 + set.front())) << n;
+          const auto& set = model.memberships.sets()[voxels[v]];
+          ASSERT_EQ(model.values.as<std::uint8_t>()[v], set.empty() ? 0 : 10 * (1 + set.front())) << n;
         }
       }
     }

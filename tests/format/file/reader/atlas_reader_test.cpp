@@ -202,11 +202,10 @@ TEST(Atlas, RefusesStreamsThatNeedMoreMemoryThanThereIs) {
   directory.chunks.assign(kChunks, {checksum_of(stored), 1, ChunkCodec::kStored, 0});
   directory.sections = {
       {3, 0, kChunkBytes, 0}, {4, kChunks, kChunkBytes, 0}, {5, 0, kChunkBytes, 0}, {6, 0, kChunkBytes, 0}};
-  const auto atlas = Atlas::open_bytes(put_together(parts));
-  ASSERT_TRUE(atlas) << atlas.error().message;
-  EXPECT_THAT((*atlas)->read_values(kEmptyClass),
+  const auto atlas = value_or_throw(Atlas::open_bytes(put_together(parts)));
+  EXPECT_THAT(atlas->read_values(kEmptyClass),
               FailsWith(ErrorCode::kLimit, HasSubstr("(memory): takes 8388608 MiB of memory at once")));
-  EXPECT_THAT((*atlas)->verify(), FailsWith(ErrorCode::kInvalidAtlas, HasSubstr("damaged: 1 bytes")));
+  EXPECT_THAT(atlas->verify(), FailsWith(ErrorCode::kInvalidAtlas, HasSubstr("damaged: 1 bytes")));
 }
 
 /// A cube of 2^33 voxels in a file of 1 kB.
@@ -225,10 +224,9 @@ TEST(Atlas, RefusesToDeriveWhatTakesMemoryByTheVoxel) {
   directory.run_bytes = {{}, {0, 0, 4}};
   directory.chunks = {{checksum_of(parts.chunks[0]), 4, ChunkCodec::kStored, 0}};
   directory.sections = {{3, 1, 262'144, 4}, {5, 0, 262'144, 4}, {6, 0, 262'144, 4}};
-  const auto atlas = Atlas::open_bytes(put_together(parts));
-  ASSERT_TRUE(atlas) << atlas.error().message;
+  const auto atlas = value_or_throw(Atlas::open_bytes(put_together(parts)));
   EXPECT_THAT(
-      (*atlas)->read_runs(cube, Axis::kX),
+      atlas->read_runs(cube, Axis::kX),
       FailsWith(ErrorCode::kLimit,
                 "(memory): class 1 has 8589934592 voxels, too many to derive a run model from another"));
 }

@@ -14,44 +14,40 @@ constexpr std::size_t kMiB = std::size_t{1} << 20;
 
 TEST(SparseBytes, IsZeroUntilWritten) {
   for (const std::size_t bytes : {std::size_t{1}, 2 * kMiB - 1, 2 * kMiB, 5 * kMiB + 3}) {
-    auto sparse = SparseBytes::reserve(bytes);
-    ASSERT_TRUE(sparse);
-    ASSERT_EQ(sparse->size(), bytes);
+    auto sparse = value_or_throw(SparseBytes::reserve(bytes));
+    ASSERT_EQ(sparse.size(), bytes);
     // Ranges before, across and beyond the end, and an empty one.
-    sparse->expect_dense(0, 1);
-    sparse->expect_dense(bytes / 2, bytes);
-    sparse->expect_dense(bytes, 7);
-    sparse->expect_dense(bytes / 3, 0);
+    sparse.expect_dense(0, 1);
+    sparse.expect_dense(bytes / 2, bytes);
+    sparse.expect_dense(bytes, 7);
+    sparse.expect_dense(bytes / 3, 0);
     const auto all_are = [&](std::byte value) {
-      return std::all_of(sparse->data(), sparse->data() + bytes, [&](std::byte b) { return b == value; });
+      return std::all_of(sparse.data(), sparse.data() + bytes, [&](std::byte b) { return b == value; });
     };
     EXPECT_TRUE(all_are(std::byte{0}));
-    std::fill_n(sparse->data(), bytes, std::byte{3});
+    std::fill_n(sparse.data(), bytes, std::byte{3});
     EXPECT_TRUE(all_are(std::byte{3}));
   }
 }
 
 TEST(SparseBytes, MovesWithWhatItHolds) {
-  auto sparse = SparseBytes::reserve(3 * kMiB);
-  ASSERT_TRUE(sparse);
-  sparse->data()[2 * kMiB] = std::byte{7};
-  SparseBytes moved = std::move(*sparse);
+  auto sparse = value_or_throw(SparseBytes::reserve(3 * kMiB));
+  sparse.data()[2 * kMiB] = std::byte{7};
+  SparseBytes moved = std::move(sparse);
   EXPECT_EQ(moved.data()[2 * kMiB], std::byte{7});
-  auto other = SparseBytes::reserve(kMiB);
-  ASSERT_TRUE(other);
-  other->data()[5] = std::byte{9};
-  std::swap(moved, *other);
+  auto other = value_or_throw(SparseBytes::reserve(kMiB));
+  other.data()[5] = std::byte{9};
+  std::swap(moved, other);
   EXPECT_EQ(moved.size(), kMiB);
   EXPECT_EQ(moved.data()[5], std::byte{9});
-  EXPECT_EQ(other->data()[2 * kMiB], std::byte{7});
+  EXPECT_EQ(other.data()[2 * kMiB], std::byte{7});
 }
 
 /// A quarter of a terabyte, as for a grid of which a selection uses little.
 TEST(SparseBytes, TakesAddressSpaceOnly) {
-  auto sparse = SparseBytes::reserve(std::size_t{1} << 38);
-  ASSERT_TRUE(sparse);
-  sparse->data()[std::size_t{1} << 37] = std::byte{1};
-  EXPECT_EQ(sparse->data()[(std::size_t{1} << 37) + 1], std::byte{0});
+  auto sparse = value_or_throw(SparseBytes::reserve(std::size_t{1} << 38));
+  sparse.data()[std::size_t{1} << 37] = std::byte{1};
+  EXPECT_EQ(sparse.data()[(std::size_t{1} << 37) + 1], std::byte{0});
 }
 
 TEST(SparseBytes, SaysWhenThereIsNoAddressSpace) {

@@ -113,9 +113,8 @@ TEST_F(ImportImage, ReadsCompressedPixelsInEitherByteOrder) {
        {std::pair<const char*, std::string>{"a.mha", meta + deflated(swapped, false)},
         {"a.nrrd", nrrd_big + deflated(swapped, true)},
         {"b.nrrd", nrrd_header("gzip", "byte skip: 3\n") + deflated("abc" + RawImage::payload(), true)}}) {
-    const Result<Image> image = import_bytes(name, bytes);
-    ASSERT_TRUE(image) << image.error().message;
-    expect_raw_image(*image);
+    const Image image = value_or_throw(import_bytes(name, bytes));
+    expect_raw_image(image);
   }
 }
 
@@ -132,18 +131,16 @@ TEST_F(ImportImage, ReadsCompressedPixelsInEveryPlace) {
         {"surplus.mha", meta_header("CompressedData = True\n") + zlib + "abc"},
         {"wrong.mha", meta_header("CompressedData = True\nCompressedDataSize = 7\n") + zlib},
         {"order.mha", meta_header(lower_order) + zlib}}) {
-    const Result<Image> image = import_bytes(name, bytes);
-    ASSERT_TRUE(image) << image.error().message;
-    expect_raw_image(*image);
+    const Image image = value_or_throw(import_bytes(name, bytes));
+    expect_raw_image(image);
   }
 }
 
 TEST_F(ImportImage, RefusesTextPixelsOfAnotherNumber) {
   std::string pixels;
   for (const int value : RawImage::voxels()) pixels += fmt::format("{} ", value);
-  const Result<Image> whole = import_bytes("a.nrrd", nrrd_header("ascii") + pixels);
-  ASSERT_TRUE(whole) << whole.error().message;
-  expect_raw_image(*whole);
+  const Image whole = value_or_throw(import_bytes("a.nrrd", nrrd_header("ascii") + pixels));
+  expect_raw_image(whole);
   for (const std::string& fewer : {pixels.substr(0, pixels.size() - 4), std::string(200, '\n') + "1 2 3"}) {
     const Result<Image> image = import_bytes("a.nrrd", nrrd_header("ascii") + fewer);
     ASSERT_FALSE(image);

@@ -48,23 +48,21 @@ int holder(const ImportedLabels& labels, std::size_t voxel) {
 }
 
 TEST(ImportLabels, StructuresAreLabelsInOrder) {
-  const auto labels = read_row<std::uint16_t>(VoxelType::kUInt16, {700, 0, 7, 7, 65535, 700}, "a.nii");
-  ASSERT_TRUE(labels) << labels.error().message;
-  EXPECT_THAT(names_of(*labels), testing::ElementsAre("Label 7", "Label 700", "Label 65535"));
+  const auto labels =
+      value_or_throw(read_row<std::uint16_t>(VoxelType::kUInt16, {700, 0, 7, 7, 65535, 700}, "a.nii"));
+  EXPECT_THAT(names_of(labels), testing::ElementsAre("Label 7", "Label 700", "Label 65535"));
   const std::vector<int> expected{1, -1, 0, 0, 2, 1};
-  for (std::size_t v = 0; v < 6; ++v) EXPECT_EQ(holder(*labels, v), expected[v]);
-  EXPECT_TRUE(labels->memberships.disjoint());
-  EXPECT_EQ(labels->type, VoxelType::kUInt16);
+  for (std::size_t v = 0; v < 6; ++v) EXPECT_EQ(holder(labels, v), expected[v]);
+  EXPECT_TRUE(labels.memberships.disjoint());
+  EXPECT_EQ(labels.type, VoxelType::kUInt16);
 }
 
 TEST(ImportLabels, LabelsReach32Bits) {
-  const auto integers = read_row<std::uint32_t>(VoxelType::kUInt32, {0, 4294967295u}, "a");
-  ASSERT_TRUE(integers);
-  EXPECT_EQ(integers->structures[0].label, 4294967295);
-  const auto doubles = read_row<double>(VoxelType::kFloat64, {-0.0, 4294967295.0}, "a");
-  ASSERT_TRUE(doubles);
-  EXPECT_EQ(doubles->structures[0].label, 4294967295);
-  EXPECT_EQ(holder(*doubles, 0), -1);
+  const auto integers = value_or_throw(read_row<std::uint32_t>(VoxelType::kUInt32, {0, 4294967295u}, "a"));
+  EXPECT_EQ(integers.structures[0].label, 4294967295);
+  const auto doubles = value_or_throw(read_row<double>(VoxelType::kFloat64, {-0.0, 4294967295.0}, "a"));
+  EXPECT_EQ(doubles.structures[0].label, 4294967295);
+  EXPECT_EQ(holder(doubles, 0), -1);
 }
 
 TEST(ImportLabels, RefusesWhatIsNoLabelWithItsValue) {
@@ -91,10 +89,9 @@ TEST(ImportLabels, RoundsAndTakesNanForBackground) {
 }
 
 TEST(ImportLabels, BackgroundAloneIsANote) {
-  const auto labels = read_row<std::uint8_t>(VoxelType::kUInt8, {0, 0}, "a.nii");
-  ASSERT_TRUE(labels);
-  EXPECT_TRUE(labels->structures.empty());
-  EXPECT_THAT(messages_of(labels->notes), testing::ElementsAre("1 label map holds background only: a.nii"));
+  const auto labels = value_or_throw(read_row<std::uint8_t>(VoxelType::kUInt8, {0, 0}, "a.nii"));
+  EXPECT_TRUE(labels.structures.empty());
+  EXPECT_THAT(messages_of(labels.notes), testing::ElementsAre("1 label map holds background only: a.nii"));
 }
 
 NamesTable table(std::vector<LabelName> names) {
@@ -111,20 +108,19 @@ LabelName name(std::int64_t label, const std::string& text) {
 }
 
 TEST(NameLabels, CountsWhatDoesNotFit) {
-  const auto labels = read_row<std::uint8_t>(VoxelType::kUInt8, {1, 2, 3}, "a.nii");
-  ASSERT_TRUE(labels);
-  ImportedLabels named = *labels;
+  const auto labels = value_or_throw(read_row<std::uint8_t>(VoxelType::kUInt8, {1, 2, 3}, "a.nii"));
+  ImportedLabels named = labels;
   EXPECT_TRUE(name_labels(named, table({name(2, "two"), name(1, "one"), name(3, "three")}), false));
   EXPECT_THAT(names_of(named), testing::ElementsAre("one", "two", "three"));
   EXPECT_TRUE(named.notes.empty());
 
-  named = *labels;
+  named = labels;
   EXPECT_TRUE(name_labels(named, table({name(1, "one"), name(9, "nine"), name(8, "eight")}), false));
   EXPECT_THAT(names_of(named), testing::ElementsAre("one", "Label 2", "Label 3"));
   EXPECT_THAT(messages_of(named.notes),
               testing::ElementsAre("2 names have no voxels and are dropped: nine (9), eight (8)",
                                    "2 labels have no names and are called \"Label N\": 2, 3"));
-  named = *labels;
+  named = labels;
   EXPECT_TRUE(name_labels(named, table({name(1, "one"), name(9, "nine"), name(8, "eight")}), true));
   EXPECT_THAT(names_of(named), testing::ElementsAre("one", "Label 2", "Label 3", "eight", "nine"));
   EXPECT_EQ(named.structures[4].label, 9);
@@ -233,11 +229,10 @@ TEST(ImportMasks, WhatIsNotZeroIsInside) {
   const TemporaryFolder folder;
   ASSERT_TRUE(
       committed(write_image(row<float>(VoxelType::kFloat32, {0, 1, 0.5f, 255}), folder.file("liver.nrrd"))));
-  const auto masks = import_mask_folder(folder.path());
-  ASSERT_TRUE(masks) << masks.error().message;
-  EXPECT_EQ(holder(*masks, 0), -1);
-  for (std::size_t v = 1; v < 4; ++v) EXPECT_EQ(holder(*masks, v), 0);
-  EXPECT_THAT(messages_of(masks->notes),
+  const auto masks = value_or_throw(import_mask_folder(folder.path()));
+  EXPECT_EQ(holder(masks, 0), -1);
+  for (std::size_t v = 1; v < 4; ++v) EXPECT_EQ(holder(masks, v), 0);
+  EXPECT_THAT(messages_of(masks.notes),
               testing::ElementsAre("1 mask has several values; all but 0 are inside: liver"));
   ASSERT_TRUE(committed(
       write_image(row<float>(VoxelType::kFloat32, {0, 255, std::nanf(""), 255}), folder.file("liver.nrrd"))));

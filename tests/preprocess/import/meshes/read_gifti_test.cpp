@@ -82,17 +82,17 @@ class ReadGifti : public testing::Test {
   void expect_points(const std::string& bytes, const Place& place) const {
     write_bytes(folder_.file("a.gii"), bytes);
     Notes notes;
-    const Result<TriangleMesh> mesh = place_mesh({.name = "a", .file = folder_.file("a.gii")}, {}, notes);
-    ASSERT_TRUE(mesh) << mesh.error().message;
+    const TriangleMesh mesh =
+        value_or_throw(place_mesh({.name = "a", .file = folder_.file("a.gii")}, {}, notes));
     EXPECT_TRUE(notes.empty());  // GIFTI is RAS
-    ASSERT_EQ(mesh->positions_lps_mm.size(), 7u);
-    ASSERT_EQ(mesh->triangles.size(), 5u);
+    ASSERT_EQ(mesh.positions_lps_mm.size(), 7u);
+    ASSERT_EQ(mesh.triangles.size(), 5u);
     for (std::uint32_t n = 0; n < kPoints; ++n) {
       const Vec3 ras = place(double{1} * n, 2. * n + 0.5, -double{1} * n * n);
-      EXPECT_EQ(mesh->positions_lps_mm[n], (Vec3{-ras[0], -ras[1], ras[2]})) << n;
+      EXPECT_EQ(mesh.positions_lps_mm[n], (Vec3{-ras[0], -ras[1], ras[2]})) << n;
     }
     for (std::uint32_t n = 2; n < kPoints; ++n)
-      EXPECT_EQ(mesh->triangles[n - 2], (std::array<std::uint32_t, 3>{n - 2, n - 1, n}));
+      EXPECT_EQ(mesh.triangles[n - 2], (std::array<std::uint32_t, 3>{n - 2, n - 1, n}));
   }
   TemporaryFolder folder_;
 };

@@ -20,7 +20,7 @@ struct ReadScenes : testing::Test {
 };
 
 TEST_F(ReadScenes, InTheOrderOfTheFile) {
-  const auto file = read(R"(# A lesson
+  const auto file = value_or_throw(read(R"(# A lesson
 [[scene]]
 name = "Whole"
 select = "*"
@@ -51,15 +51,14 @@ Second line.
 name = "Elevation alone"
 select = "*"
 elevation = 90
-)");
-  ASSERT_TRUE(file) << file.error().message;
+)"));
   const std::vector<Scene> expected{
       {"Whole", "", "*", 0, 0, 1},
       {"Größe", "What is this?", "\"Sphere 1\":surface(opacity=0.5) + Sphere*", 90, -12.5, 2,
        "Which sphere is this?", "left=10 0,0,1,2.5", "1,-2.5,3"},
       {"From above", "First line.\nSecond line.", "*", 180, 90, 1, "", "", "", true, {"Sphere 1", "Sph*"}},
       {"Elevation alone", "", "*", 180, 90, 1}};
-  EXPECT_EQ(file->scenes, expected);
+  EXPECT_EQ(file.scenes, expected);
 }
 
 TEST_F(ReadScenes, TellsLineAndRemedyOfFaults) {

@@ -109,37 +109,33 @@ TEST_F(RealTables, HaveHierarchies) {
   }
   EXPECT_EQ(1327u - parents.size(), 1038u);  // leaves
   std::vector<SourceStructure> sources(allen.names.begin(), allen.names.end());
-  const auto placed = build_graph(sources, allen.hierarchy, "allen", notes_);
-  ASSERT_TRUE(placed) << placed.error().message;
-  EXPECT_EQ(placed->graph.size(), 1327u);
-  EXPECT_EQ(placed->graph.roots().size(), 1u);
-  EXPECT_EQ(placed->graph.descendants(placed->graph.roots()[0]).size(), 1327u);
+  const auto placed = value_or_throw(build_graph(sources, allen.hierarchy, "allen", notes_));
+  EXPECT_EQ(placed.graph.size(), 1327u);
+  EXPECT_EQ(placed.graph.roots().size(), 1u);
+  EXPECT_EQ(placed.graph.descendants(placed.graph.roots()[0]).size(), 1327u);
 }
 
 TEST_F(RealTables, OfBrainGlobeAndOpenAnatomyHaveGraphs) {
   for (const char* file : {"structures.json", "structures.csv"}) {
     const NamesTable table = read(std::string("formats/brainglobe-folder/example_human_4000um_v1.0/") + file);
     const std::vector<SourceStructure> sources(table.names.begin(), table.names.end());
-    const auto placed = build_graph(sources, table.hierarchy, "brainglobe", notes_);
-    ASSERT_TRUE(placed) << placed.error().message;
-    const StructureIndex root = placed->graph.roots()[0];
-    EXPECT_EQ(placed->graph.size(), 45u);
-    EXPECT_EQ(placed->graph.roots().size(), 1u);
-    EXPECT_EQ(placed->graph[root].label, 9999);
-    EXPECT_EQ(placed->graph.children(root).size(), 3u);
+    const auto placed = value_or_throw(build_graph(sources, table.hierarchy, "brainglobe", notes_));
+    const StructureIndex root = placed.graph.roots()[0];
+    EXPECT_EQ(placed.graph.size(), 45u);
+    EXPECT_EQ(placed.graph.roots().size(), 1u);
+    EXPECT_EQ(placed.graph[root].label, 9999);
+    EXPECT_EQ(placed.graph.children(root).size(), 3u);
   }
   const std::string path = test_data() + "/formats/openanatomy-made/atlasStructure.json";
-  const auto lines = read_tree(path, notes_);
-  ASSERT_TRUE(lines) << lines.error().message;
+  const auto lines = value_or_throw(read_tree(path, notes_));
   const NamesTable table = read("formats/openanatomy-made/atlasStructure.json");
   const std::vector<SourceStructure> sources(table.names.begin(), table.names.end());
-  const auto placed = build_graph(sources, *lines, path, notes_);
-  ASSERT_TRUE(placed) << placed.error().message;
-  EXPECT_EQ(placed->graph.size(), 13u);
-  const auto with_two = std::ranges::count_if(placed->graph.structures(),
+  const auto placed = value_or_throw(build_graph(sources, lines, path, notes_));
+  EXPECT_EQ(placed.graph.size(), 13u);
+  const auto with_two = std::ranges::count_if(placed.graph.structures(),
                                               [](const Structure& s) { return s.parents.size() == 2; });
   EXPECT_EQ(with_two, 4);
-  EXPECT_EQ(placed->graph.roots().size(), 1u);
+  EXPECT_EQ(placed.graph.roots().size(), 1u);
 }
 
 }  // namespace

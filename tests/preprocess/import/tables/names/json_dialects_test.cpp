@@ -42,13 +42,12 @@ TEST_F(JsonDialects, ReadsAllensGraph) {
       {"id": 8, "name": "grey, all", "color_hex_triplet": "BFDAE3", "children": [
         {"id": 614454277, "acronym": "SSs", "name": "area", "children": []}]}]})";
   for (const std::string& text : {bare, "{\"success\": true, \"msg\": [" + bare + "]}"}) {
-    const auto table = read(text);
-    ASSERT_TRUE(table) << table.error().message;
-    EXPECT_EQ(table->dialect, NamesFormat::kAllen);
-    EXPECT_THAT(summaries(table->names), ElementsAre("997 root", "8 grey, all #bfdae3", "614454277 area"));
-    ASSERT_EQ(table->hierarchy.size(), 3u);
-    EXPECT_THAT(table->hierarchy[0].node->parents, IsEmpty());
-    EXPECT_THAT(table->hierarchy[2].node->parents, ElementsAre(table->hierarchy[1].node->key));
+    const auto table = value_or_throw(read(text));
+    EXPECT_EQ(table.dialect, NamesFormat::kAllen);
+    EXPECT_THAT(summaries(table.names), ElementsAre("997 root", "8 grey, all #bfdae3", "614454277 area"));
+    ASSERT_EQ(table.hierarchy.size(), 3u);
+    EXPECT_THAT(table.hierarchy[0].node->parents, IsEmpty());
+    EXPECT_THAT(table.hierarchy[2].node->parents, ElementsAre(table.hierarchy[1].node->key));
   }
   EXPECT_THAT(error("{\"msg\": \"failed\", \"id\": 0, \"children\": 1}"), HasSubstr("holds no structures"));
 }
@@ -94,18 +93,18 @@ TEST_F(JsonDialects, TellsKeysFromValues) {
 }
 
 TEST_F(JsonDialects, ReadsBrainGlobe) {
-  const auto table = read(R"([{"acronym": "root", "id": 9999, "name": "root", "structure_id_path": [9999],
+  const auto table =
+      value_or_throw(read(R"([{"acronym": "root", "id": 9999, "name": "root", "structure_id_path": [9999],
                               "rgb_triplet": [255, 255, 254]},
-                             {"acronym": "A", "id": 2, "name": "a", "structure_id_path": [9999, 2]}, 5])");
-  ASSERT_TRUE(table) << table.error().message;
-  EXPECT_EQ(table->dialect, NamesFormat::kBrainGlobe);
-  EXPECT_THAT(summaries(table->names), ElementsAre("9999 root #fffffe", "2 a"));
-  EXPECT_THAT(table->hierarchy[1].node->parents, ElementsAre("id:9999"));
+                             {"acronym": "A", "id": 2, "name": "a", "structure_id_path": [9999, 2]}, 5])"));
+  EXPECT_EQ(table.dialect, NamesFormat::kBrainGlobe);
+  EXPECT_THAT(summaries(table.names), ElementsAre("9999 root #fffffe", "2 a"));
+  EXPECT_THAT(table.hierarchy[1].node->parents, ElementsAre("id:9999"));
   EXPECT_THAT(items("faulty-rows"), ElementsAre("names.txt entry 3: is no object"));
 }
 
 TEST_F(JsonDialects, ReadsOpenAnatomy) {
-  const auto table = read(R"([{"@id": "h", "@type": "Header", "root": "g"},
+  const auto table = value_or_throw(read(R"([{"@id": "h", "@type": "Header", "root": "g"},
     {"@id": "g", "@type": "Group", "annotation": {"name": "brain"}, "member": ["s", "t"]},
     {"@id": "l", "@type": ["Group"], "annotation": {"name": "limbic"},
      "member": ["s", {"@type": "Structure", "annotation": {"name": "inline"}}]},
@@ -113,12 +112,11 @@ TEST_F(JsonDialects, ReadsOpenAnatomy) {
      "sourceSelector": [{"@type": "geometrySelector"},
                         {"@type": ["Selector", "labelMapSelector"], "dataKey": "17"}]},
     {"@id": "t", "@type": "Structure", "annotation": {"name": "Right"}, "renderOption": {"color": "nocolor"},
-     "sourceSelector": {"@type": ["Selector", "labelMapSelector"], "dataKey": 53}}])");
-  ASSERT_TRUE(table) << table.error().message;
-  EXPECT_EQ(table->dialect, NamesFormat::kOpenAnatomy);
-  EXPECT_THAT(summaries(table->names), ElementsAre("inline", "17 Left #ffa500", "53 Right"));
-  ASSERT_EQ(table->hierarchy.size(), 5u);
-  EXPECT_THAT(table->hierarchy[3].node->parents, ElementsAre("g", "l"));
+     "sourceSelector": {"@type": ["Selector", "labelMapSelector"], "dataKey": 53}}])"));
+  EXPECT_EQ(table.dialect, NamesFormat::kOpenAnatomy);
+  EXPECT_THAT(summaries(table.names), ElementsAre("inline", "17 Left #ffa500", "53 Right"));
+  ASSERT_EQ(table.hierarchy.size(), 5u);
+  EXPECT_THAT(table.hierarchy[3].node->parents, ElementsAre("g", "l"));
   EXPECT_THAT(items("bad-colors"), ElementsAre(HasSubstr("nocolor")));
 }
 

@@ -20,10 +20,9 @@ TEST_F(ReadNames, TellsTheDialect) {
 TEST_F(ReadNames, OverridesTheDetection) {
   const std::string rows = "1 a_b 255 0 0 255\n2 c 0 255 0 255\n";
   EXPECT_THAT(summaries(names(rows, NamesFormat::kCtbl)), ElementsAre("1 a b #ff0000", "2 c #00ff00"));
-  const auto table = read(rows, NamesFormat::kFreeSurfer);
-  ASSERT_TRUE(table);
-  EXPECT_EQ(table->dialect, NamesFormat::kFreeSurfer);
-  EXPECT_THAT(summaries(table->names), ElementsAre("1 a_b #ff0000", "2 c #00ff00"));
+  const auto table = value_or_throw(read(rows, NamesFormat::kFreeSurfer));
+  EXPECT_EQ(table.dialect, NamesFormat::kFreeSurfer);
+  EXPECT_THAT(summaries(table.names), ElementsAre("1 a_b #ff0000", "2 c #00ff00"));
   EXPECT_THAT(error(rows, NamesFormat::kNiivue), HasSubstr("NiiVue colour map: byte 3 is no JSON"));
   EXPECT_THAT(error(rows, NamesFormat::kCsv), HasSubstr("line 1: holds no comma"));
 }

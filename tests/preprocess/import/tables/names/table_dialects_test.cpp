@@ -70,10 +70,9 @@ TEST_F(TableDialects, FindsColumnsByTheirValues) {
       summaries(names("1,spleen,1,0,9\n2,liver,2,5,9\n2,liver again,3,9,7\n3,4,1,2,3\n", NamesFormat::kCsv)),
       ElementsAre("1 spleen #010009", "2 liver #020509", "3 4 #010203"));
   EXPECT_EQ(items("duplicate-labels").size(), 1u);
-  const auto two = read("No_,name,Volume\n5,liver,12\n7,heart,15\n", NamesFormat::kCsv);
-  ASSERT_TRUE(two);
-  EXPECT_FALSE(two->names[0].label);
-  EXPECT_THAT(two->columns, ElementsAre("No_", "name", "Volume"));
+  const auto two = value_or_throw(read("No_,name,Volume\n5,liver,12\n7,heart,15\n", NamesFormat::kCsv));
+  EXPECT_FALSE(two.names[0].label);
+  EXPECT_THAT(two.columns, ElementsAre("No_", "name", "Volume"));
   EXPECT_THAT(summaries(names("spleen;0.5;1;0;5\nliver;0;0;1;3\n", NamesFormat::kCsv)),
               ElementsAre("5 spleen #80ff00", "3 liver #0000ff"));
 }
@@ -143,14 +142,13 @@ TEST_F(TableDialects, RefusesWorkbooksAndTablesThatLackColumns) {
 }
 
 TEST_F(TableDialects, ReadsTheHierarchy) {
-  const auto table = read("id,name,parent\n10,Brain,\n1,Left,10\n2,Leaf,Left\n");
-  ASSERT_TRUE(table) << table.error().message;
-  EXPECT_EQ(table->names.size(), 3u);
-  ASSERT_EQ(table->hierarchy.size(), 3u);
-  EXPECT_THAT(table->hierarchy[0].node->parents, IsEmpty());
-  EXPECT_THAT(table->hierarchy[1].node->parents, ElementsAre("id:10"));
-  EXPECT_THAT(table->hierarchy[2].node->parents, ElementsAre("id:1"));
-  EXPECT_EQ(table->hierarchy[2].node->label, 2);
+  const auto table = value_or_throw(read("id,name,parent\n10,Brain,\n1,Left,10\n2,Leaf,Left\n"));
+  EXPECT_EQ(table.names.size(), 3u);
+  ASSERT_EQ(table.hierarchy.size(), 3u);
+  EXPECT_THAT(table.hierarchy[0].node->parents, IsEmpty());
+  EXPECT_THAT(table.hierarchy[1].node->parents, ElementsAre("id:10"));
+  EXPECT_THAT(table.hierarchy[2].node->parents, ElementsAre("id:1"));
+  EXPECT_EQ(table.hierarchy[2].node->label, 2);
 }
 
 std::vector<std::string> parents_of_last(const NamesTable& table) {

@@ -59,9 +59,8 @@ TEST_F(TextDialects, ReadsFreeSurfersTables) {
 
 TEST_F(TextDialects, NeverTakesColoursForNames) {
   for (const char* alpha : {" 0\n", " 255\n", "\n"}) {
-    const auto table = read(std::string("17 Left-Hippocampus 220 216 20") + alpha);
-    ASSERT_TRUE(table) << table.error().message;
-    EXPECT_THAT(summaries(table->names), ElementsAre(HasSubstr("ippocampus #dcd814")));
+    const auto table = value_or_throw(read(std::string("17 Left-Hippocampus 220 216 20") + alpha));
+    EXPECT_THAT(summaries(table.names), ElementsAre(HasSubstr("ippocampus #dcd814")));
   }
   EXPECT_THAT(
       summaries(names("1 A 9 9 9 0\n2 B 8 8 8 0\n3 C 300 0 0 0\n4 D 7 x 7 0\n", NamesFormat::kFreeSurfer)),
@@ -104,7 +103,6 @@ TEST_F(TextDialects, ReadsColoursWhereAllRowsHaveThem) {
 /// A list, its first and last structure, and perhaps a doubt, a line each.
 constexpr std::string_view kNumbers =
 #include "tests/preprocess/import/tables/names/numbers_in_names.txt"
-#include "tests/support/fails_with.h"
     ;
 
 /// A whole number ahead of fractions: of the name or red, as all rows allow.
