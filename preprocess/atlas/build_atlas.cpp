@@ -13,6 +13,7 @@
 #include "format/result_macros.h"
 #include "preprocess/import/tables/read_scenes.h"
 #include "preprocess/import/tables/text_file.h"
+#include "preprocess/structures/graph_parts.h"
 #include "preprocess/surfaces/extract_surfaces.h"
 
 namespace splatlas {

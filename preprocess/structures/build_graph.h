@@ -1,10 +1,8 @@
 // Construction of the structure graph from sources and a tree.
 #pragma once
 
-#include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <unordered_set>
 #include <vector>
 
@@ -20,9 +18,6 @@ struct PlacedStructures {
   std::vector<StructureIndex> index_of_source;  ///< [source number]: structure
   std::unordered_set<StructureIndex> colored;   ///< by the tree
 };
-
-/// The colour of the name in anatomical_colors.txt, or else of a term.
-[[nodiscard]] std::optional<Rgb> anatomical_color(std::string_view name, std::span<const Term> terms);
 
 /// Assigns unique ids and places the structures by the tree (see build --help); without lines, all are roots.
 /// Without a colour in its source or the tree, a structure has the anatomical one, or else a distinct hue.

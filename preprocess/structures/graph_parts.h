@@ -1,4 +1,4 @@
-// Construction of a graph: lookup of sources, and the structures while they are placed.
+// Construction of a graph: anatomical colours, lookup of sources, and the structures while they are placed.
 #pragma once
 
 #include <algorithm>
@@ -17,9 +17,11 @@
 #include "format/content/structure_graph.h"
 #include "format/text/ascii_text.h"
 #include "preprocess/import/tables/names_table.h"
-#include "preprocess/structures/build_graph.h"
 
 namespace splatlas {
+
+/// The colour of the name in anatomical_colors.txt, or else of a term.
+[[nodiscard]] std::optional<Rgb> anatomical_color(std::string_view name, std::span<const Term> terms);
 
 /// Finds sources, by number. Refers to `sources`. Finds names, ids and terms by hash, patterns by a pass.
 class SourceLookup {
