@@ -193,7 +193,7 @@ async function talk(visit) {
   const {page} = visit;
   const hidden = selector => page.$eval(selector, each => getComputedStyle(each).display === 'none');
   await visit.changesBy('f');
-  assert(await hidden('#panel') && await hidden('header') && !(await hidden('#caption')));
+  assert(await hidden('#panel') && await hidden('header button') && !(await hidden('#caption')));
   await visit.picture('desk_large');
   await visit.changesBy('Escape');
   assert(!(await hidden('#panel')));
