@@ -110,9 +110,8 @@ class Package(unittest.TestCase):
     def test_arrays_of_all_types_build_what_files_build(self):
         for dtype in (bool, np.int8, np.uint8, np.int16, np.uint16, np.int32, np.uint32, np.int64, np.uint64):
             with self.subTest(dtype=dtype):
-                labels = boxes(dtype)
-                atlas = self.build(labels=labels, affine=np.eye(4))
-                np.testing.assert_array_equal(atlas.labels(), labels)
+                atlas = self.build(labels=boxes(dtype), affine=np.eye(4))
+                np.testing.assert_array_equal(atlas.labels(), boxes(dtype))
         strided = np.zeros((28, 11, 18), np.uint8)[::2, :, ::-2]
         strided[...] = boxes()
         names = self.folder / "names.csv"
@@ -177,8 +176,7 @@ class Package(unittest.TestCase):
 
     def test_faults_are_exceptions(self):
         atlas = self.boxes()
-        draw = atlas.render
-        picture = draw("Liver", size=(8, 8))
+        draw, picture = atlas.render, atlas.render("Liver", size=(8, 8))
         draw("Screw", size=(8, 8))
         for kind, subject, fault in (
                 ("not found", "selection", lambda: draw("Lever")), ("not found", "Lever", lambda: atlas.mask("Lever")),
@@ -191,6 +189,7 @@ class Package(unittest.TestCase):
             with self.assertRaises(splatlas.Error) as raised:
                 fault()
             self.assertEqual((raised.exception.kind, raised.exception.subject), (kind, subject), raised.exception)
+        self.assertEqual(splatlas.Error.__module__, "splatlas")  # in tracebacks
         for fault in (lambda: draw(view="up"), lambda: draw(scene="none"), lambda: draw(zoom=0), lambda: draw(size=8),
                       lambda: draw(size="8x8"), lambda: picture.save("a\0.png"), lambda: draw(center=(np.nan, 0, 0)),
                       lambda: draw(azimuth="x"), lambda: draw(camera={"azimut": 3}),
@@ -221,10 +220,13 @@ class Package(unittest.TestCase):
                 with self.assertRaisesRegex((TypeError, ValueError), rf"\A{name}: .*must .*\Z", msg=value):
                     call(**given | {name: value})
         for camera in ({"zoom": "a"}, {"center": (1, 2)}, {"projection": 5}, {"azimuth": np.nan}):
-            with self.assertRaisesRegex((TypeError, ValueError), r"\Acamera: .*: must be .*\Z"):
-                atlas.render(camera=camera)
+            self.assertRaisesRegex((TypeError, ValueError), r"\Acamera: .*: must be .*\Z", atlas.render, camera=camera)
         other = dataclasses.replace(atlas.structures[0], index=10**6)
-        self.assertRaisesRegex(ValueError, "^names: .* another atlas$", lambda: atlas.mask(other))
+        for fault, call in (("names: .* another atlas", lambda: atlas.mask(other)),
+                            ("focus: .* another atlas", lambda: atlas.render(focus=other)),
+                            (r"max_work: -1.0: must be .*", lambda: splatlas.open(atlas.path, max_work=-1)),
+                            (r"Renderer.render\(\) got an .* 'zom'", lambda: atlas.render(zom=2))):
+            self.assertRaisesRegex((TypeError, ValueError), rf"\A{fault}\Z", call)
 
     def test_numbers_of_numpy_structures_and_renderers_are_taken(self):
         atlas = self.boxes()
@@ -256,8 +258,8 @@ class Package(unittest.TestCase):
         self.assertEqual([one.category for one in caught], [splatlas.Warning])
         self.assertEqual(caught[0].filename, __file__)
         page = atlas.show("Liver", height=300)
-        self.assertRegex(page._repr_html_()[:99], "^<iframe srcdoc=")
-        self.assertIn("Liver", page.html)
+        self.assertEqual((page._repr_html_()[:15], "Liver" in page.html, repr(page)),
+                         ("<iframe srcdoc=", True, "Page(height=300)"))
 
     def test_ctrl_c_ends_a_picture(self):
         atlas, files = self.boxes(), list(self.folder.iterdir())

@@ -12,6 +12,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import threading
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
@@ -19,14 +20,13 @@ from typing import Any
 import numpy as np
 
 from splatlas import _engine
-from splatlas._arguments import Names, Structure, checked
-from splatlas._engine import Error
+from splatlas._arguments import Error, Names, Structure, checked
 from splatlas._programs import Page, Warning, build, page_of
 
 __all__ = ["Atlas", "Error", "Page", "Picture", "Renderer", "Structure", "Warning", "build", "open"]
 
 
-class Picture(_engine.Drawing):
+class Picture:
     """A rendered picture of (height, width) pixels, row 0 on top. It shows itself in notebooks.
 
     Attributes
@@ -44,16 +44,30 @@ class Picture(_engine.Drawing):
     """
 
     def __init__(self, renderer: Renderer, request: dict, background: str | None):
-        self._structures = renderer.atlas.structures
-        super().__init__(renderer._player(), json.dumps(request), request["select"], background)
-        answer = json.loads(self._answer)
-        if "drawn" in answer:  # another selection, whose warnings are told once
-            renderer._warnings = answer["warnings"]
-        for line in [*renderer._warnings, self._emptiness(), *answer["missing"]]:
-            if line:
-                warnings.warn(line, Warning, stacklevel=4)
+        self._background = None if background is None else _engine.Rgb(background)
+        self._renderer, self._engine, self._structures = renderer, renderer._engine, renderer.atlas.structures
+        renderer.atlas._opened()
+        with renderer._turn:
+            if renderer._selection[0] != request["select"]:
+                renderer._selection = [request["select"]]
+            self._selection = renderer._selection
+            text, self._frame = self._engine.draw(json.dumps(request))  # type: ignore
+            answer = json.loads(text)
+            if "drawn" in answer:  # another selection, whose warnings are told once
+                renderer._warnings = answer["warnings"]
+            lines: list[str] = [*renderer._warnings, self._frame.emptiness(), *answer["missing"]]
+        for line in filter(None, lines):
+            warnings.warn(line, Warning, stacklevel=4)
+        self.linear, self.ids, self.depth = self._frame.linear, self._frame.ids, self._frame.depth
         self.camera: dict[str, Any] = _flipped_center(answer["camera"])
         self.ms: float = answer["ms"]
+
+    @property
+    def array(self) -> np.ndarray:
+        return self._frame.srgb(self._background).reshape(*self.linear.shape[:2], -1)
+
+    def _repr_png_(self) -> bytes:
+        return self._frame.png(self._background)
 
     @checked
     def pick(self, x: float, y: float) -> tuple[Structure, np.ndarray] | None:
@@ -62,29 +76,28 @@ class Picture(_engine.Drawing):
         None for the background. The point is (3,) float64 in RAS mm. One ray decides; of `ids` the whole pixel, which
         differs at some outlines. Raises Error once the renderer shows another selection.
         """
-        found = self._pick(x, y)
+        with self._renderer._turn:
+            if self._selection is not self._renderer._selection:
+                raise Error("the renderer shows another selection by now; render the picture again", "usage")
+            found = self._frame.pick(x, y)
         return found and (self._structures[found[0]], np.array(_flipped(found[1])))
 
     @checked
     def save(self, path: str | bytes | os.PathLike) -> None:
         """Writes .png, .jpg, .tif, .exr (float), .svg or .pdf: whole, or not at all. Raises Error."""
-        self._save(path)  # type: ignore
+        self._frame.save(path, self._background)  # type: ignore
 
 
 class Renderer:
     """Draws pictures of one atlas, and keeps what it has decoded. Threads may share it; it draws in turn."""
 
-    def __init__(self, atlas: Atlas | None, player: _engine.Player):
-        self._atlas, self._warnings = atlas, list[str]()
-        self._open_player: _engine.Player | None = player
+    def __init__(self, atlas: Atlas | None, engine: _engine.Engine):
+        self._atlas, self._engine = atlas, engine
+        self._turn, self._selection, self._warnings = threading.Lock(), [""], list[str]()  # a list for each selection
 
     @property
     def atlas(self) -> Atlas:
         return self._atlas or self  # type: ignore  # an atlas is its own renderer
-
-    def _player(self) -> _engine.Player:
-        self.atlas._opened()
-        return self._open_player  # type: ignore
 
     @checked
     def render(self, select: str | None = None, *, scene: str | None = None, size: Sequence[int] = (800, 600),
@@ -132,8 +145,7 @@ class Renderer:
         if not 1e-6 <= zoom <= 1e6:
             raise ValueError(f"zoom: {zoom!r}: must be from 1e-6 to 1e6")
         given = {"azimuth": azimuth, "elevation": elevation, "projection": projection}
-        placed |= {key: one for key, value in given.items()
-                   if (one := seen.get(key) if value is None else value) is not None}
+        placed |= seen | {key: value for key, value in given.items() if value is not None}
         if camera is None:
             placed["fit"] = {"zoom": zoom * shown.get("zoom", 1),
                              "center": shown.get("center") if center is None else _flipped(center),
@@ -163,11 +175,13 @@ class Atlas(Renderer, contextlib.AbstractContextManager):
 
     @checked
     def __init__(self, path: str | bytes | os.PathLike, *, threads: int = 0, memory: int = 0, max_work: float = 1):
+        if max_work <= 0:
+            raise ValueError(f"max_work: {max_work!r}: must be above 0")
         self.path = os.path.abspath(os.fsdecode(path))
-        player = _engine.Player(os.fsencode(self.path), min(threads, 64), memory, max_work)
-        super().__init__(None, player)
+        self._file: _engine.File | None = _engine.File(os.fsencode(self.path), min(threads, 64), memory, max_work)
+        super().__init__(None, _engine.Engine(self._file))
         #: the document of `splatlas-player info --json`
-        self.info: dict[str, Any] = json.loads(player.call('{"call": "info"}'))
+        self.info: dict[str, Any] = json.loads(self._file.info())
         grid = self.info["grid"]
         axes = np.reshape(grid["direction_lps"], (3, 3)) * grid["spacing_mm"]
         #: (4, 4) float64: voxel indices of the arrays to RAS mm, as nibabel's; + 0.0: no -0
@@ -189,11 +203,11 @@ class Atlas(Renderer, contextlib.AbstractContextManager):
 
     def close(self) -> None:
         """Frees what is decoded, once no picture needs it."""
-        self._open_player = None
+        self._file = self._engine = None  # type: ignore
 
     def renderer(self) -> Renderer:
         """Another renderer, with a cache of its own."""
-        return Renderer(self, self._opened().another())
+        return Renderer(self, _engine.Engine(self._opened()))
 
     @checked
     def find(self, name: str) -> list[Structure]:
@@ -203,16 +217,16 @@ class Atlas(Renderer, contextlib.AbstractContextManager):
     @checked
     def labels(self, names: Names = "*") -> np.ndarray:
         """The source label map: (i, j, k), of its type. Other structures than these and their parts are 0."""
-        return self._opened().labels(self._indices(names))
+        return self._opened().labels(self._indices(names)).reshape(self.shape, order="F")
 
     @checked
     def mask(self, names: Names) -> np.ndarray:
         """(i, j, k) bool: where the structures or their parts are; they may overlap."""
-        return self._opened().mask(self._indices(names)).view(bool)
+        return self._opened().mask(self._indices(names)).view(bool).reshape(self.shape, order="F")
 
     def volume(self) -> np.ndarray:
         """The grey values: (i, j, k), of the type of the source. Raises Error in an atlas without them."""
-        return self._opened().volume()
+        return self._opened().volume().reshape(self.shape, order="F")
 
     @checked
     def surface(self, names: Names) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -220,7 +234,7 @@ class Atlas(Renderer, contextlib.AbstractContextManager):
 
         Triangles are counter-clockwise from outside.
         """
-        vertices, triangles, normals = self._opened().surface(self._indices(names))
+        vertices, triangles, normals = (flat.reshape(-1, 3) for flat in self._opened().surface(self._indices(names)))
         return vertices * (-1, -1, 1), triangles, normals * np.array((-1, -1, 1), np.float32)
 
     def volumes(self) -> list[dict[str, Any]]:
@@ -233,24 +247,24 @@ class Atlas(Renderer, contextlib.AbstractContextManager):
         self._opened()
         return page_of(self.path, select, scene, height)
 
-    def _opened(self) -> _engine.Player:
-        if self._open_player is None:
+    def _opened(self) -> _engine.File:
+        if self._file is None:
             raise ValueError(f"{self.path}: the atlas is closed")
-        return self._open_player
+        return self._file
 
-    def _indices(self, names: Any) -> list[int]:
-        player, found = self._opened(), list[int]()
+    def _indices(self, names: Any, argument: str = "names") -> list[int]:
+        file, found = self._opened(), list[int]()
         for name in names:
             if isinstance(name, str):
-                found += player.find(name)
+                found += file.find(name)
             elif self.structures[name.index:name.index + 1] != (name,):  # type: ignore
-                raise ValueError(f"names: {name!r:.80}: is a structure of another atlas")
+                raise ValueError(f"{argument}: {name!r:.80}: is a structure of another atlas")
             else:
                 found.append(name.index)
         return list(dict.fromkeys(found))
 
     def _one(self, name: str | Structure) -> int:
-        found = self._indices([name])
+        found = self._indices([name], "focus")
         if len(found) != 1:
             raise ValueError(f"focus: {name!r}: names {len(found)} structures; it takes one")
         return found[0]

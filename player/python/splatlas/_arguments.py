@@ -15,6 +15,17 @@ import numpy as np
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
+class Error(Exception):
+    """Of an atlas, a selection, a file or a program."""
+
+    __module__ = "splatlas"
+
+    def __init__(self, message: str, kind: str = "failed", subject: str = ""):
+        super().__init__(message)
+        self.kind = kind  #: "failed", "usage", "invalid atlas", "not found", "limit" or "cancelled"
+        self.subject = subject  #: file or parameter that the message begins with; may be empty
+
+
 @dataclasses.dataclass(frozen=True)
 class Structure:
     """A structure of an atlas; its counts include its descendants."""
@@ -39,7 +50,10 @@ def checked(function: Function) -> Function:
 
     @functools.wraps(function)
     def call(*args: Any, **options: Any) -> Any:
-        bound = signature.bind(*args, **options)
+        try:
+            bound = signature.bind(*args, **options)
+        except TypeError:
+            return function(*args, **options)  # its error names the function
         for name, value in bound.arguments.items():
             annotation = str(signature.parameters[name].annotation)
             convert, expected = _CONVERSIONS.get(kind := annotation.removesuffix(" | None"), (lambda value: value, ""))

@@ -16,8 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from splatlas._arguments import checked
-from splatlas._engine import Error
+from splatlas._arguments import Error, checked
 
 
 class Warning(UserWarning):
@@ -28,7 +27,7 @@ class Warning(UserWarning):
 class Page:
     """A page that plays an atlas."""
 
-    html: str
+    html: str = dataclasses.field(repr=False)
     height: int
 
     def _repr_html_(self) -> str:
@@ -55,7 +54,9 @@ def build(output: str | bytes | os.PathLike, *, labels: Any = None, volume: Any 
     options : more options of `splatlas-preprocess build`
     """
     groups = dict(labels) if isinstance(labels, Mapping) else {"": labels}
-    if affine is not None and not any(_is_plain(image) for image in (*groups.values(), volume)):
+    have_affines = [image is None or isinstance(image, (str, os.PathLike)) or hasattr(image, "dataobj")
+                    for image in (*groups.values(), volume)]
+    if affine is not None and all(have_affines):
         raise ValueError("affine: files and images have their own; it is for arrays")
     for name in (*groups, *(meshes or {})):
         if "=" in str(name) or (name in groups and "/" in str(name)):
@@ -103,17 +104,10 @@ def _run(program: str, words: list[str], folder: str, stacklevel: int) -> None:
         if kind in ("note", "warning"):
             warnings.warn(text, Warning, stacklevel=stacklevel)
     if done.returncode != 0:
-        error = Error(last.removeprefix(f"{program}: ") or f"{program}: ended with {done.returncode}")
-        kinds = {2: "usage", 3: "invalid atlas", 4: "not found"}
-        subject = str(error).partition(": ")[0].partition(' "')[0]
-        error.kind = kinds.get(done.returncode, "failed")
-        error.subject = subject if any(subject in word for word in words) else ""
-        raise error
-
-
-def _is_plain(image: Any) -> bool:
-    """True for arrays, which have no affine of their own."""
-    return image is not None and not isinstance(image, (str, os.PathLike)) and not hasattr(image, "dataobj")
+        message = last.removeprefix(f"{program}: ") or f"{program}: ended with {done.returncode}"
+        subject = message.partition(": ")[0].partition(' "')[0]
+        kind = {2: "usage", 3: "invalid atlas", 4: "not found"}.get(done.returncode, "failed")
+        raise Error(message, kind, subject if any(subject in word for word in words) else "")
 
 
 def _image_file(image: Any, affine: Any, path: pathlib.Path, what: str) -> str:
