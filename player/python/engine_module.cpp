@@ -155,45 +155,29 @@ py::object pixels(const py::object& self) {
   return array;
 }
 
-/// [structure]: one of these or a descendant.
-std::vector<bool> below(const StructureGraph& graph, const std::vector<StructureIndex>& structures) {
-  std::vector<bool> is_below(graph.size());
-  for (const StructureIndex s : graph.descendants(structures)) is_below[s] = true;
-  return is_below;
-}
-
-/// What `read` makes of the content without grey values: voxels in the order of the source. `fault`: of an
-/// atlas whose `type` is none.
-template <typename Read>
-py::array voxels(const Atlas& atlas, VoxelType type, const char* fault, const Read& read) {
-  if (type == VoxelType::kNone) throw Error{ErrorCode::kFailed, atlas.name() + ": " + fault, atlas.name()};
+/// "labels" or "mask" of structures and their descendants, or "volume", in the order of the source.
+py::object voxels(const File& file, const std::string& what, const std::vector<StructureIndex>& structures) {
+  const Atlas& atlas = *file.atlas;
+  const bool is_mask = what == "mask", is_volume = what == "volume";
+  const VoxelType stored = is_volume ? atlas.value_type() : atlas.label_type();
+  if (!is_mask && stored == VoxelType::kNone) {
+    const char* const fault = is_volume ? ": has no grey values; build it with a volume"
+                                        : ": was built without a label map; use mask()";
+    throw Error{ErrorCode::kFailed, atlas.name() + fault, atlas.name()};
+  }
   VoxelBuffer buffer = interruptible(&atlas.work_budget(), [&] {
-    return value_or_fail<VoxelBuffer>(read(value_or_fail(atlas.read_classes(), atlas.name())), atlas.name());
+    const AtlasContent content = value_or_fail(atlas.read_classes(), atlas.name());
+    if (is_volume) {
+      const auto values = value_or_fail(atlas.read_value_volume(content.class_volume), atlas.name());
+      return to_source_order(values, content);
+    }
+    std::vector<bool> is_wanted(content.graph.size());
+    for (const StructureIndex s : content.graph.descendants(structures)) is_wanted[s] = true;
+    if (is_mask) return mask_of(content, is_wanted);
+    return value_or_fail(label_map(content, atlas.name(), "use mask()", is_wanted), atlas.name());
   });
-  return array_of(std::move(buffer.bytes), name_of(type));
-}
-
-py::array labels(const File& file, const std::vector<StructureIndex>& structures) {
-  const Atlas& atlas = *file.atlas;
-  const char* const fault = "was built without a label map; use mask()";
-  return voxels(atlas, atlas.label_type(), fault, [&](const AtlasContent& content) {
-    return label_map(content, atlas.name(), "use mask()", below(content.graph, structures));
-  });
-}
-
-py::array mask(const File& file, const std::vector<StructureIndex>& structures) {
-  return voxels(*file.atlas, VoxelType::kUInt8, "", [&](const AtlasContent& content) {
-    return mask_of(content, below(content.graph, structures));
-  });
-}
-
-py::array volume(const File& file) {
-  const Atlas& atlas = *file.atlas;
-  const char* const fault = "has no grey values; build it with a volume";
-  return voxels(atlas, atlas.value_type(), fault, [&](const AtlasContent& content) {
-    const auto values = value_or_fail(atlas.read_value_volume(content.class_volume), atlas.name());
-    return to_source_order(values, content);
-  });
+  const py::array flat = array_of(std::move(buffer.bytes), is_mask ? "?" : name_of(buffer.type));
+  return flat.attr("reshape")(atlas.source_grid().size, py::arg("order") = "F");
 }
 
 /// Vertices in mm, triangles and normals of the structures and their descendants, in LPS, flat.
@@ -248,9 +232,7 @@ PYBIND11_MODULE(_engine, module) {
            [](const File& file, const std::string& name) {
              return value_or_fail(file.atlas->graph().find_named(name), name);
            })
-      .def("labels", &labels)
-      .def("mask", &mask)
-      .def("volume", &volume)
+      .def("voxels", &voxels)
       .def("surface", &surface);
   py::class_<PageEngine>(module, "Engine")
       .def(py::init([](const File& file) {

@@ -35,9 +35,7 @@ GRIDS = {
 
 
 def affine_of(matrix):
-    affine = np.eye(4)
-    affine[:3, :3], affine[:3, 3] = matrix, (-7, 5, 11)
-    return affine
+    return nibabel.affines.from_matvec(matrix, (-7, 5, 11))
 
 
 def boxes(dtype=np.uint8):
@@ -102,8 +100,7 @@ class Package(unittest.TestCase):
                 corners = vertices[triangles]
                 volume = np.einsum("ni,ni->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6
                 self.assertGreater(volume, 0)  # counter-clockwise from outside
-                inverse = np.linalg.inv(atlas.affine)
-                indices = vertices @ inverse[:3, :3].T + inverse[:3, 3]
+                indices = nibabel.affines.apply_affine(np.linalg.inv(atlas.affine), vertices)
                 np.testing.assert_allclose(indices.mean(0), (4, 2.5, 4), atol=0.05)
                 np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1, atol=1e-3)
 
@@ -171,8 +168,7 @@ class Package(unittest.TestCase):
         self.assertEqual(turned.camera, picture.camera | {"azimuth": 90})
         del picture, turned
         kept = atlas.render("Liver", size=(8, 8)).linear  # outlives its picture
-        other = atlas.render("Screw", size=(8, 8))
-        self.assertFalse(np.array_equal(kept, other.linear))
+        self.assertFalse(np.array_equal(kept, atlas.render("Screw", size=(8, 8)).linear))
 
     def test_faults_are_exceptions(self):
         atlas = self.boxes()
@@ -213,12 +209,14 @@ class Package(unittest.TestCase):
         for call in (atlas.render, atlas.find, atlas.labels, atlas.mask, atlas.surface, atlas.show, picture.pick,
                      picture.save, splatlas.open, splatlas.build):
             parameters = inspect.signature(call).parameters
+            self.assertEqual([name for name in parameters if not re.search(rf"\b{name}\b", call.__doc__)], [], call)
             given = {name: needed[name] for name in parameters if parameters[name].default is inspect.Parameter.empty}
             for name, value in itertools.product(parameters, (3j, object(), [object()], "\ud800\n", np.zeros((9, 9)))):
                 if (name, type(value)) in (("labels", str), ("volume", str), ("names", str), ("tree", str)):
                     continue  # paths
                 with self.assertRaisesRegex((TypeError, ValueError), rf"\A{name}: .*must .*\Z", msg=value):
                     call(**given | {name: value})
+        self.assertFalse([name for name in vars(atlas) if name[0] != "_" and name not in splatlas.Atlas.__doc__])
         for camera in ({"zoom": "a"}, {"center": (1, 2)}, {"projection": 5}, {"azimuth": np.nan}):
             self.assertRaisesRegex((TypeError, ValueError), r"\Acamera: .*: must be .*\Z", atlas.render, camera=camera)
         other = dataclasses.replace(atlas.structures[0], index=10**6)

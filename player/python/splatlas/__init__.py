@@ -9,7 +9,6 @@ selections are `splatlas.Error`, with a kind and a subject; odd things are `spla
 """
 from __future__ import annotations
 
-import contextlib
 import json
 import os
 import threading
@@ -84,7 +83,7 @@ class Picture:
 
     @checked
     def save(self, path: str | bytes | os.PathLike) -> None:
-        """Writes .png, .jpg, .tif, .exr (float), .svg or .pdf: whole, or not at all. Raises Error."""
+        """Writes a `path` in .png, .jpg, .tif, .exr (float), .svg or .pdf: whole, or not at all. Raises Error."""
         self._frame.save(path, self._background)  # type: ignore
 
 
@@ -128,6 +127,8 @@ class Renderer:
             `Picture.camera`, in place of zoom, center and focus; view, azimuth and elevation turn it.
         projection, caps, quality : str
             perspective or parallel; values, labels, both or none; draft, normal or high.
+        shading, depth_cue, draft_budget_ms : bool, bool, float
+            Light volumes by their borders; darken what is far; time from which drafts are coarser, 0: never.
         cuts : dict or list of str
             {"left": 0} removes what lies further left than 0 mm; or texts as of `--cut`, in LPS mm.
         background : str
@@ -159,7 +160,7 @@ class Renderer:
             "ids": ids, "depths": depth}, background)
 
 
-class Atlas(Renderer, contextlib.AbstractContextManager):
+class Atlas(Renderer):
     """An atlas file. Parts are read when they are needed. `close()` or `with` ends it; threads may share it.
 
     Parameters
@@ -171,6 +172,15 @@ class Atlas(Renderer, contextlib.AbstractContextManager):
         Bytes that decoded parts and pictures may take; 0: half of the machine's.
     max_work : float
         Limit of work in multiples of the usual one; below 1 for untrusted files.
+
+    Attributes
+    ----------
+    structures : tuple of Structure
+        Methods take `names`: a name as of `find()`, a Structure, or several of these.
+    affine, shape : (4, 4) float64, (int, int, int)
+        Voxel indices of the arrays to RAS mm, as nibabel's; shape of the arrays.
+    scenes, path, info : tuple of str, str, dict
+        Their names; absolute; the document of `splatlas-player info --json`.
     """
 
     @checked
@@ -180,12 +190,11 @@ class Atlas(Renderer, contextlib.AbstractContextManager):
         self.path = os.path.abspath(os.fsdecode(path))
         self._file: _engine.File | None = _engine.File(os.fsencode(self.path), min(threads, 64), memory, max_work)
         super().__init__(None, _engine.Engine(self._file))
-        #: the document of `splatlas-player info --json`
         self.info: dict[str, Any] = json.loads(self._file.info())
         grid = self.info["grid"]
         axes = np.reshape(grid["direction_lps"], (3, 3)) * grid["spacing_mm"]
-        #: (4, 4) float64: voxel indices of the arrays to RAS mm, as nibabel's; + 0.0: no -0
-        self.affine = np.vstack((np.c_[axes, grid["origin_lps_mm"]] * ((-1,), (-1,), (1,)), np.eye(4)[3])) + 0.0
+        to_ras = np.c_[axes, grid["origin_lps_mm"]] * ((-1,), (-1,), (1,)) + 0.0  # no -0
+        self.affine = np.vstack((to_ras, np.eye(4)[3]))
         self.shape: tuple[int, ...] = tuple(grid["size"])
         mm3 = abs(np.linalg.det(axes))
         self.structures: tuple[Structure, ...] = tuple(
@@ -194,6 +203,9 @@ class Atlas(Renderer, contextlib.AbstractContextManager):
                       sum(one["voxels"].values()), float(sum(one["voxels"].values()) * mm3 / 1000), one["triangles"])
             for index, one in enumerate(self.info["structures"]))
         self.scenes: tuple[str, ...] = tuple(scene["name"] for scene in self.info["scenes"])
+
+    def __enter__(self) -> Atlas:
+        return self
 
     def __exit__(self, *_: object) -> None:
         self.close()
@@ -211,28 +223,28 @@ class Atlas(Renderer, contextlib.AbstractContextManager):
 
     @checked
     def find(self, name: str) -> list[Structure]:
-        """The structures of an id, name, path, synonym, pattern ("Vermis*") or label ("#17"). Raises Error for none."""
+        """The structures of a name: an id, path, synonym, pattern ("Vermis*") or label ("#17"), too. Error for none."""
         return [self.structures[index] for index in self._indices([name])]
 
     @checked
     def labels(self, names: Names = "*") -> np.ndarray:
-        """The source label map: (i, j, k), of its type. Other structures than these and their parts are 0."""
-        return self._opened().labels(self._indices(names)).reshape(self.shape, order="F")
+        """The source label map: (i, j, k), of its type. Other structures than `names` and their parts are 0."""
+        return self._opened().voxels("labels", self._indices(names))
 
     @checked
     def mask(self, names: Names) -> np.ndarray:
-        """(i, j, k) bool: where the structures or their parts are; they may overlap."""
-        return self._opened().mask(self._indices(names)).view(bool).reshape(self.shape, order="F")
+        """(i, j, k) bool: where the structures `names` or their parts are; they may overlap."""
+        return self._opened().voxels("mask", self._indices(names))
 
     def volume(self) -> np.ndarray:
         """The grey values: (i, j, k), of the type of the source. Raises Error in an atlas without them."""
-        return self._opened().volume().reshape(self.shape, order="F")
+        return self._opened().voxels("volume", [])
 
     @checked
     def surface(self, names: Names) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Vertices (n, 3) float64 in RAS mm, triangles (m, 3) uint32 of rows of these, and unit normals (n, 3) float32.
 
-        Triangles are counter-clockwise from outside.
+        Of the structures `names` and their parts. Triangles are counter-clockwise from outside.
         """
         vertices, triangles, normals = (flat.reshape(-1, 3) for flat in self._opened().surface(self._indices(names)))
         return vertices * (-1, -1, 1), triangles, normals * np.array((-1, -1, 1), np.float32)
@@ -243,7 +255,7 @@ class Atlas(Renderer, contextlib.AbstractContextManager):
 
     @checked
     def show(self, select: str | None = None, scene: str | None = None, height: int = 600) -> Page:
-        """The player's page, for a cell of a notebook: the exported file, which needs no server."""
+        """The page of `select` or `scene`, for a cell of `height` pixels: the exported file, which needs no server."""
         self._opened()
         return page_of(self.path, select, scene, height)
 

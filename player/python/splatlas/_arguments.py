@@ -16,27 +16,33 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 class Error(Exception):
-    """Of an atlas, a selection, a file or a program."""
+    """An error of an atlas, a selection, a file or a program.
 
+    `kind` is "failed", "usage", "invalid atlas", "not found", "limit" or "cancelled"; `subject` the file or argument
+    that the message begins with, or empty.
+    """
     __module__ = "splatlas"
 
     def __init__(self, message: str, kind: str = "failed", subject: str = ""):
         super().__init__(message)
-        self.kind = kind  #: "failed", "usage", "invalid atlas", "not found", "limit" or "cancelled"
-        self.subject = subject  #: file or parameter that the message begins with; may be empty
+        self.kind, self.subject = kind, subject
 
 
 @dataclasses.dataclass(frozen=True)
 class Structure:
-    """A structure of an atlas; its counts include its descendants."""
+    """A structure of an atlas; its counts include its descendants.
 
-    index: int  #: position in `Atlas.structures`; `Picture.ids` holds index + 1
+    `index` is its position in `Atlas.structures` (`Picture.ids` holds index + 1), `parents` their ids, `color`
+    "#rrggbb", `label` the value in the source label map, `terms` (vocabulary, value): synonyms, languages, codes.
+    """
+
+    index: int
     id: str
     name: str
-    parents: tuple[str, ...]  #: ids
-    color: str  #: "#rrggbb"
-    label: int | None  #: value in the source label map
-    terms: tuple[tuple[str, str], ...]  #: vocabulary and value: synonyms, languages, codes
+    parents: tuple[str, ...]
+    color: str
+    label: int | None
+    terms: tuple[tuple[str, str], ...]
     voxels: int
     ml: float
     triangles: int

@@ -25,7 +25,7 @@ class Warning(UserWarning):
 
 @dataclasses.dataclass(frozen=True)
 class Page:
-    """A page that plays an atlas."""
+    """A page that plays an atlas: `html` is the text of its file, `height` in pixels that of its cell."""
 
     html: str = dataclasses.field(repr=False)
     height: int
@@ -39,7 +39,7 @@ class Page:
 def build(output: str | bytes | os.PathLike, *, labels: Any = None, volume: Any = None,
           affine: ArrayLike | None = None, names: Any = None, tree: str | os.PathLike | Iterable[str] | None = None,
           meshes: Mapping[str, Sequence[ArrayLike]] | None = None, options: Sequence[str] = ()) -> None:
-    """Builds an atlas with splatlas-preprocess. Its notes become warnings.
+    """Builds the atlas `output` with splatlas-preprocess. Its notes become warnings.
 
     Parameters
     ----------
