@@ -9,6 +9,7 @@
 
 #include "format/content/structure_graph.h"
 #include "player/camera.h"
+#include "player/render/view/pixel_box.h"
 
 namespace splatlas {
 
@@ -53,6 +54,16 @@ struct FaceLayer {
   }
   /// True if a face hides all else of a pixel.
   [[nodiscard]] bool hides(std::size_t pixel) const { return front[pixel].rgba[3] >= 1; }
+  /// The pixels of a region that may have a face, with one more on each side.
+  [[nodiscard]] PixelBox around_faces(const PixelBox& region) const {
+    PixelBox box{size.width, -1, size.height, -1};
+    for (std::int32_t y = region.y_first; y <= region.y_last; ++y) {
+      const auto [first, last] = shown[static_cast<std::size_t>(y)];
+      if (first >= last) continue;
+      box = {std::min(box.x_first, first), std::max(box.x_last, last - 1), std::min(box.y_first, y), y};
+    }
+    return box.empty() ? box : intersection(region, box.grown(1));
+  }
   /// Composites the faces of columns [begin, end) of a row with the radiance between them (RGBA, whole row).
   void add_to_row(std::size_t row, std::int32_t begin, std::int32_t end, float* rgba) const {
     const std::size_t first = row * static_cast<std::size_t>(size.width);

@@ -225,7 +225,7 @@ const FaceStyle* FaceMap::largest_face(const Corners& corners, const Texel& near
   };
   Share* largest = &share_of(own_face(nearest));
   for (std::size_t n = 0; n < 8; ++n) {
-    const Texel& texel = corners.texels[n];
+    const Texel& texel = *corners.texels[n];
     if (const FaceStyle* face = own_face(texel)) share_of(face).weight += corners.weights[n] * texel.share;
   }
   for (std::size_t n = 1; n < count; ++n) {

@@ -156,7 +156,7 @@ class FaceMap {
   [[nodiscard]] FaceSample at_inside(double b, double c) const;
   /// The voxels around a point, with their trilinear weights.
   struct Corners {
-    std::array<Texel, 8> texels;
+    std::array<const Texel*, 8> texels;
     std::array<float, 8> weights;
   };
   /// The face of a voxel, apart from solids with outlines; null if it has none.
@@ -210,11 +210,13 @@ inline FaceSample FaceMap::at_inside(double b, double c) const {
   Corners corners;
   float sum = 0, weights = 0, own = 0;
   int whole = 0;
+  const std::uint32_t id = columns[0][low].id;
   bool is_mixed = false;
   for (std::size_t n = 0; n < 8; ++n) {
-    const Texel texel = corners.texels[n] = columns[n / 2][n % 2 == 0 ? low : high];
+    const Texel& texel = columns[n / 2][n % 2 == 0 ? low : high];
+    corners.texels[n] = &texel;
     const float weight = corners.weights[n] = of_column[n / 2] * (n % 2 == 0 ? 1 - a1 : a1);
-    is_mixed = is_mixed || texel.id != corners.texels[0].id;
+    is_mixed |= texel.id != id;
     if (!texel.has_face()) continue;
     weights += weight;
     sum += weight * texel.grey;

@@ -56,6 +56,8 @@ Result<std::uint64_t> Rasterizer::draw(const RasterScene& scene, const RasterOpt
   RasterScene with_neighbours = scene;
   if (options.edge_samples > 1)
     with_neighbours.region = intersection(scene.region.grown(1), PixelBox::of(scene.size));
+  if (triangles == 0) with_neighbours.region = scene.faces->around_faces(with_neighbours.region);
+  if (with_neighbours.region.empty()) return triangles;
   SPLATLAS_RETURN_IF_ERROR(draw_tiles(with_neighbours, options, nullptr, pool));
   merge_tiles(scene, with_neighbours.region, out, pool);
   return triangles;
@@ -80,7 +82,10 @@ Result<void> Rasterizer::draw_tiles(const RasterScene& scene, const RasterOption
   // Draw the centres of all pixels
   centers_.resize(bins_.tiles());
   seen_.resize(options.edge_samples > 1 ? scene.region.pixels() : 0);
+  const auto has_faces_alone = [&](std::size_t n) { return paint == nullptr && bins_.of_tile(n).empty(); };
   pool.for_each(centers_.size(), [&](std::size_t n) {
+    centers_[n].fragments.clear();
+    if (has_faces_alone(n)) return see_faces(scene, bins_.box(n), options.termination_threshold);
     TileRasterizer& worker = worker_of_thread();
     worker.begin(scene, bins_.box(n), {options.termination_threshold, paint == nullptr, seen_});
     draw_and_finish(n, worker, paint, centers_[n], count);
@@ -93,6 +98,8 @@ Result<void> Rasterizer::draw_tiles(const RasterScene& scene, const RasterOption
     find_edge_pixels(seen_, {scene.region.width(), scene.region.height()}, scene.pixel_voxels, is_edge_,
                      pool);
     pool.for_each(edges_.size(), [&](std::size_t n) {
+      edges_[n].fragments.clear();
+      if (has_faces_alone(n)) return count.add(pattern_.size() * edge_pixels(scene.region, bins_.box(n)));
       TileRasterizer& worker = worker_of_thread();
       worker.begin_edges(scene, bins_.box(n), is_edge_, pattern_,
                          {options.termination_threshold, paint == nullptr, {}});
@@ -105,6 +112,32 @@ Result<void> Rasterizer::draw_tiles(const RasterScene& scene, const RasterOption
               "the surfaces leave more than {} fragments at one place, too many for the memory allowed; "
               "select fewer translucent surfaces, or raise --memory",
               options.max_fragments);
+}
+
+void Rasterizer::see_faces(const RasterScene& scene, const PixelBox& tile, float termination_threshold) {
+  check_task();
+  if (seen_.empty()) return;
+  for (std::int32_t y = tile.y_first; y <= tile.y_last; ++y) {
+    SurfacesSeen* seen = &seen_[scene.region.place(tile.x_first, y)];
+    auto pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(scene.size.width) +
+                 static_cast<std::size_t>(tile.x_first);
+    for (std::int32_t x = tile.x_first; x <= tile.x_last; ++x, ++seen, ++pixel) {
+      *seen = {};
+      if (scene.faces == nullptr) continue;
+      const RayFaces faces = scene.faces->at(pixel);
+      seen->add(faces.front, 1);
+      const float transmittance = 1 - faces.front.rgba[3];
+      if (transmittance > termination_threshold) seen->add(faces.back, transmittance);
+    }
+  }
+}
+
+std::size_t Rasterizer::edge_pixels(const PixelBox& region, const PixelBox& tile) const {
+  const auto width = static_cast<std::size_t>(tile.width());
+  std::ptrdiff_t pixels = 0;
+  for (std::int32_t y = tile.y_first; y <= tile.y_last; ++y)
+    pixels += std::ranges::count(std::span(is_edge_).subspan(region.place(tile.x_first, y), width), 1);
+  return static_cast<std::size_t>(pixels);
 }
 
 void Rasterizer::draw_and_finish(std::size_t tile, TileRasterizer& worker, const PaintTile* paint,

@@ -12,10 +12,10 @@ namespace {
 
 constexpr std::size_t kRowsPerChunk = 16;
 
-float max_difference(const std::array<float, 4>& a, const std::array<float, 4>& b) {
-  float max = 0;
-  for (std::size_t c = 0; c < 4; ++c) max = std::max(max, std::abs(a[c] - b[c]));
-  return max;
+bool differ(const std::array<float, 4>& a, const std::array<float, 4>& b, float by) {
+  bool any = false;
+  for (std::size_t c = 0; c < 4; ++c) any |= std::abs(a[c] - b[c]) > by;
+  return any;
 }
 
 /// Crossings that wait at least, and fit the L2 cache. Where many surfaces overlap in depth, more wait.
@@ -38,13 +38,16 @@ void SurfacesSeen::add(std::uint32_t side, float transmittance, const Fragment& 
   }
 }
 
+void SurfacesSeen::add(const Face& face, float transmittance) {
+  if (face.shows()) add(kFaceSide | face.structure, transmittance, {face.depth, face.rgba, face.structure});
+}
+
 void find_edge_pixels(std::span<const SurfacesSeen> seen, const PictureSize& size, float pixel_voxels,
                       std::vector<std::uint8_t>& edges, ThreadPool& pool) {
   const auto edge_between = [max_depth = kEdgeSlope * pixel_voxels](const SurfacesSeen& a,
                                                                     const SurfacesSeen& b) {
-    const bool differ =
-        max_difference(a.layers, b.layers) > kEdgeLayers || std::abs(a.depth - b.depth) > max_depth;
-    return differ && max_difference(a.radiance.rgba, b.radiance.rgba) > kEdgeContrast;
+    return (differ(a.layers, b.layers, kEdgeLayers) || std::abs(a.depth - b.depth) > max_depth) &&
+           differ(a.radiance.rgba, b.radiance.rgba, kEdgeContrast);
   };
   const auto width = static_cast<std::size_t>(size.width);
   const auto height = static_cast<std::size_t>(size.height);
@@ -98,8 +101,7 @@ void TileLayers::begin(const RasterScene& scene, const PixelBox& tile, std::size
 
 void TileLayers::pass_face(std::uint32_t slot, const Face& face) {
   float& transmittance = transmittances_[slot];
-  if (!options_.seen.empty() && face.shows() && is_clear(slot))
-    seen(slot).add(kFaceSide | face.structure, transmittance, {face.depth, face.rgba, face.structure});
+  if (!options_.seen.empty() && is_clear(slot)) seen(slot).add(face, transmittance);
   for (std::size_t c = 0; c < 4; ++c) radiances_[slot].rgba[c] += transmittance * face.rgba[c];
   transmittance *= 1 - face.rgba[3];
 }

@@ -71,6 +71,7 @@ struct SurfacesSeen {
 
   /// Adds the next fragment behind surfaces of this transmittance. `side` identifies surface and side.
   void add(std::uint32_t side, float transmittance, const Fragment& fragment);
+  void add(const Face& face, float transmittance);
 };
 
 /// Thresholds of an edge between two neighbours. Their radiance must differ by more than kEdgeContrast in any

@@ -22,6 +22,7 @@ struct TileFragments {
   std::vector<std::uint32_t> end_of_slot;
 
   [[nodiscard]] std::span<const Fragment> of_slot(std::size_t slot) const {
+    if (fragments.empty()) return {};
     const std::size_t begin = slot == 0 ? 0 : end_of_slot[slot - 1];
     return std::span(fragments).subspan(begin, end_of_slot[slot] - begin);
   }
