@@ -33,6 +33,12 @@ struct Effort {
   [[nodiscard]] int turns() const { return frames * repeats; }
 };
 
+/// Ratio of CPU times: minimum over repeats of each frame, median over frames.
+double ratio(const StageTimes& times, const StageTimes& unit, const Effort& effort) {
+  return median_ratio(best_of_repeats(times[0], effort.frames), best_of_repeats(unit[0], effort.frames))
+      .cpu_ms;
+}
+
 /// A turning selection on one thread. Spans of all axes exist ahead of measurements.
 class Turning {
  public:
@@ -52,6 +58,20 @@ class Turning {
     return timed([this](int turn) { return draw(turned(oblique_camera(), turn, effort_.frames)); });
   }
 
+  /// Half of the selection, seen from the cut, over the whole, at 1920x1080.
+  Result<void> measure_cuts(nlohmann::ordered_json& summary) {
+    for (const auto& [side, view] :
+         {std::pair("left", NamedView::kLeft), {"superior", NamedView::kSuperior}}) {
+      const auto draw = [this, view = view](const CutPlanes& cuts) {
+        const RenderOptions options{.size = {1920, 1080}, .cuts = cuts};
+        return timed([=, this](int) { return renderer_->render(Camera::of(view), options, frame_); });
+      };
+      const std::array contenders{draw({}), draw(*parse_cuts(fmt::format("{}=0", side)))};
+      SPLATLAS_ASSIGN_OR_RETURN(const auto times, measure_interleaved(contenders, effort_.turns()));
+      summary[fmt::format("cut_{}_normal", side)] = ratio(times[1], times[0], effort_);
+    }
+    return {};
+  }
   [[nodiscard]] std::uint64_t visible_voxels() const { return frame_.stats.voxels_visited; }
   [[nodiscard]] const Picture& picture() const { return frame_.picture; }
 
@@ -62,12 +82,6 @@ class Turning {
   Effort effort_;
   Frame frame_;
 };
-
-/// Ratio of CPU times: minimum over repeats of each frame, median over frames.
-double ratio(const StageTimes& times, const StageTimes& unit, const Effort& effort) {
-  return median_ratio(best_of_repeats(times[0], effort.frames), best_of_repeats(unit[0], effort.frames))
-      .cpu_ms;
-}
 
 /// Every structure alone, groups with their descendants, beside the whole head and nothing.
 Result<Table> measure_skipping(const std::shared_ptr<const Atlas>& atlas, const Effort& effort,
@@ -110,6 +124,7 @@ Result<Table> measure_skipping(const std::shared_ptr<const Atlas>& atlas, const 
     raise(summary, "skip_excess_max", excess);
   }
   summary["empty_over_all"] = median(empties);
+  SPLATLAS_RETURN_IF_ERROR(turning[0].measure_cuts(summary));
   std::stable_sort(table.rows.begin(), table.rows.end(),
                    [](const Row& a, const Row& b) { return a["excess"] > b["excess"]; });
   return table;
