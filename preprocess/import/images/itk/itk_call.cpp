@@ -22,6 +22,7 @@ std::string message_of(const itk::ExceptionObject& error) {
 std::string message_of_teem(const std::string& stack) {
   const std::size_t last = stack.rfind("[nrrd] "), cause = stack.find(": ", std::min(last, stack.size()));
   std::string text = cause == std::string::npos ? "" : stack.substr(cause + 2);
+  if (text.starts_with("didn't start with")) return "a unit or label of its header needs double quotes";
   text.erase(std::min(text.find_first_of("\"|("), text.size()));
   return one_line(text, "cannot be read") + "; sizes, type and encoding in its header must fit its pixels";
 }

@@ -134,10 +134,21 @@ std::set<std::size_t> segment_numbers(const std::map<std::string, std::string>& 
   return numbers;
 }
 
+/// The segments with their colours, all of one scale. Others are noted.
+std::vector<SourceSegment> colored(std::vector<SourceSegment> segments,
+                                   const std::vector<std::string>& colors, Notes& notes) {
+  const double scale = scale_of_colors(colors);
+  for (std::size_t n = 0; n < segments.size(); ++n) {
+    segments[n].structure.color = parse_table_color(colors[n], scale);
+    if (!segments[n].structure.color && !colors[n].empty()) notes.add("bad-colors", in_quotes(colors[n]));
+  }
+  return segments;
+}
+
 /// The segments that the key/value pairs of an NRRD header name (3D Slicer's developer guide, segmentations),
 /// by number. Files before Slicer 4.11 have no values and layers: the n-th segment is the value 1 of layer n.
 /// Terminology entries become terms: the code of the type, and of its modifier.
-std::vector<SourceSegment> segments_of_nrrd(const std::map<std::string, std::string>& pairs) {
+std::vector<SourceSegment> segments_of_nrrd(const std::map<std::string, std::string>& pairs, Notes& notes) {
   std::vector<SourceSegment> segments;
   std::vector<std::string> colors;
   for (const std::size_t n : segment_numbers(pairs)) {
@@ -156,16 +167,14 @@ std::vector<SourceSegment> segments_of_nrrd(const std::map<std::string, std::str
     colors.push_back(get("Color"));
     segments.push_back(std::move(segment));
   }
-  const double scale = scale_of_colors(colors);
-  for (std::size_t n = 0; n < segments.size(); ++n)
-    segments[n].structure.color = parse_table_color(colors[n], scale);
-  return segments;
+  return colored(std::move(segments), colors, notes);
 }
 
 /// The segments of MITK's multilabel segmentations: JSON in a pair, a list of labels a layer.
 Result<std::vector<SourceSegment>> segments_of_mitk(const std::map<std::string, std::string>& pairs,
-                                                    const fs::path& path) try {
+                                                    const fs::path& path, Notes& notes) try {
   std::vector<SourceSegment> segments;
+  std::vector<std::string> colors;
   const auto text = pairs.find("org.mitk.multilabel.segmentation.labelgroups");
   if (text == pairs.end()) return segments;
   std::size_t layer = 0;
@@ -175,12 +184,12 @@ Result<std::vector<SourceSegment>> segments_of_mitk(const std::map<std::string, 
       segment.layer = layer;
       segment.value = label.at("value").get<std::int64_t>();
       segment.structure.name = label.at("name").get<std::string>();
-      segment.structure.color = parse_table_color(label.at("color").at("value").dump(), 255);
+      colors.push_back(label.contains("color") ? label["color"].at("value").dump() : "");
       segments.push_back(std::move(segment));
     }
     ++layer;
   }
-  return segments;
+  return colored(std::move(segments), colors, notes);
 } catch (const nlohmann::json::exception&) {
   return bad_file(
       path, "has names of MITK (labelgroups) that cannot be read; save it as .seg.nrrd, or without them");
@@ -198,9 +207,9 @@ Result<SourceImage> read_nrrd(const fs::path& path, const ImageOptions& /*option
       for (std::size_t a = 0; a < 3; ++a) image.grid.direction_lps[3 * row + a] *= -1;
     }
     if (pixels.has_no_space) image.notes.add("no-space", path.string());
-    image.segments = segments_of_nrrd(pixels.pairs);
+    image.segments = segments_of_nrrd(pixels.pairs, image.notes);
     if (image.segments.empty()) {
-      SPLATLAS_ASSIGN_OR_RETURN(image.segments, segments_of_mitk(pixels.pairs, path));
+      SPLATLAS_ASSIGN_OR_RETURN(image.segments, segments_of_mitk(pixels.pairs, path, image.notes));
     }
     image.is_segmentation = !image.segments.empty();
     for (const SourceSegment& segment : image.segments) {

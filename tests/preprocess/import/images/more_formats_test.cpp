@@ -132,6 +132,7 @@ TEST_F(MoreFormats, ConvertsUnitsOfTextHeaders) {
       source("a.nrrd", nrrd_header("raw", replaced(unit, "microns", "ells")) + RawImage::payload());
   EXPECT_EQ(unknown.grid.spacing_mm, (Vec3{1, 2, 3}));
   EXPECT_THAT(messages_of(unknown.notes), ElementsAre(HasSubstr("unknown unit of length")));
+  refuses("a.nrrd", nrrd_header("raw", "space units: mm mm mm\n") + RawImage::payload(), "double quotes");
   EXPECT_EQ(source("a.mha", meta_header("DistanceUnits = cm\n") + RawImage::payload()).grid.spacing_mm,
             (Vec3{10, 20, 30}));
 }
@@ -177,6 +178,14 @@ TEST_F(MoreFormats, ReadsSegmentsOfMitk) {
   EXPECT_EQ(image.segments[0].value, 5);
   EXPECT_EQ(image.segments[0].structure.name, "heart");
   EXPECT_EQ(image.segments[0].structure.color, (Rgb{204, 51, 26}));
+  const std::string groups =
+      R"([{"labels":[{"value":5,"name":"A","color":{"value":[204,51,26]}},)"
+      R"({"value":6,"name":"B"},{"value":7,"name":"C","color":{"value":[256,0,0]}}]}])";
+  const SourceImage bytes = source("a.nrrd", nrrd_header("raw", key + groups + "\n") + RawImage::payload());
+  ASSERT_EQ(bytes.segments.size(), 3u);
+  EXPECT_EQ(bytes.segments[0].structure.color, (Rgb{204, 51, 26}));
+  EXPECT_FALSE(bytes.segments[1].structure.color);
+  EXPECT_THAT(bytes.notes.all()[0].message(), HasSubstr("left out: \"[256,0,0]\""));
   refuses("a.nrrd", nrrd_header("raw", key + "[{}]\n") + RawImage::payload(), "names of MITK");
 }
 
