@@ -51,12 +51,17 @@ Margin margin_for(const Grid& grid, std::span<const TriangleMesh> meshes) {
   return margin;
 }
 
+double longest_side(const MmBox& box) {
+  return std::ranges::max(difference(box.high, box.low));
+}
+
 /// A grid around meshes alone: cubic voxels, 256 along the longest side, and a voxel of margin.
-Grid grid_around(std::span<const TriangleMesh> meshes) {
-  constexpr double kVoxels = 256;
+Grid grid_around(std::span<const TriangleMesh> meshes, Notes& notes) {
+  constexpr double kVoxels = 256, kLeast = 2, kMost = 5000;  // mm, smaller than organs, larger than bodies
   const MmBox box = box_of_points(meshes, [](const Vec3& mm) { return mm; });
-  double longest = 0;
-  for (std::size_t a = 0; a < 3; ++a) longest = std::max(longest, box.high[a] - box.low[a]);
+  const double longest = longest_side(box);
+  if (longest < kLeast || longest > kMost)
+    notes.add("surface-sizes", fmt::format("the longest side of all is {:.3g} mm; give a scale", longest));
   const double spacing = std::max(longest / kVoxels, kMinSpacingMm);
   Grid grid;
   grid.spacing_mm = {spacing, spacing, spacing};
@@ -65,10 +70,6 @@ Grid grid_around(std::span<const TriangleMesh> meshes) {
     grid.origin_lps_mm[a] = box.low[a] - spacing;
   }
   return grid;
-}
-
-double longest_side(const MmBox& box) {
-  return std::ranges::max(difference(box.high, box.low));
 }
 
 void widen(SourceModel& model, const Grid& grid, const Margin& margin) {
@@ -127,7 +128,7 @@ void note_size(const SourceModel& model, const MeshSource& source, const Triangl
 
 Result<void> fit_grid(SourceModel& model, std::span<const TriangleMesh> meshes, bool widens, Notes& notes) {
   if (model.source_grid.voxels() == 0) {
-    model.source_grid = grid_around(meshes);
+    model.source_grid = grid_around(meshes, notes);
     model.memberships = MembershipVolume(model.storage_grid().size);
     return {};
   }

@@ -164,6 +164,11 @@ TEST_F(WidenGrid, SurfacesAloneHaveAGridOfTheirOwn) {
     EXPECT_EQ(model.meshes[n].outside, 0);
     EXPECT_TRUE(model.structures[n].external);
   }
+  for (const double scale : {0.001, 100.0}) {
+    for (MeshSource& mesh : files.meshes) mesh.scale = scale;
+    import(files);
+    EXPECT_THAT(messages_of(notes_), ElementsAre(HasSubstr("is its unit mm?: the longest side of all is")));
+  }
 }
 
 TEST_F(WidenGrid, SurfacesOfAFolderAreNamedByTheTable) {
