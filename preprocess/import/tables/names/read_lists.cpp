@@ -78,11 +78,21 @@ std::optional<ListRow> row_of(const TextLine& line) {
   return row;
 }
 
+/// The lines of a list. In Connectome Workbench's, a name stands ahead of "label R G B A": it moves behind.
+std::vector<TextLine> list_lines(std::string_view text) {
+  std::vector<TextLine> lines = lines_of(text), joined;
+  for (std::size_t n = 1; n < lines.size(); n += 2) {
+    const auto row = row_of(lines[n]);
+    if (row_of(lines[n - 1]) || !row || row->words.size() != 4 || row->numbers_first != 3) return lines;
+    joined.push_back({lines[n].number, lines[n].text + " " + lines[n - 1].text});
+  }
+  return joined.size() > 1 ? joined : lines;
+}
+
 std::vector<ListRow> rows_of(const std::vector<TextLine>& lines) {
   std::vector<ListRow> rows;
-  for (const TextLine& line : lines) {
+  for (const TextLine& line : lines)
     if (auto row = row_of(line)) rows.push_back(std::move(*row));
-  }
   return rows;
 }
 
@@ -131,39 +141,39 @@ void leave_number(std::span<const ListRow* const> rows, const std::vector<double
 ListShape shape_at(ListShape::Colors place, std::span<const ListRow> rows, bool some) {
   const bool is_last = place == ListShape::Colors::kLast;
   std::vector<const ListRow*> colored;
-  std::size_t least = ~std::size_t{0};
+  std::size_t least = ~std::size_t{0}, without = 0, opaque = 0;
   for (const ListRow& row : rows) {
     const std::size_t numbers = is_last ? row.numbers_last : row.numbers_first;
     if (numbers < 3) continue;
     colored.push_back(&row);
     least = std::min(least, numbers);
+    without += numbers == 3 ? 1 : 0;
+    opaque += numbers > 3 && row.words.back() == "255" ? 1 : 0;
   }
   if (colored.empty() || (!some && 2 * colored.size() <= rows.size())) return {place, 0};
   for (const std::size_t numbers : is_last ? std::array{5u, 4u} : std::array{6u, 4u}) {
     std::vector<double> alphas;
-    for (const ListRow* row : colored) {
+    for (const ListRow* row : colored)
       if (numbers <= least)
         alphas.push_back(
             parse_number(row->words[is_last ? row->words.size() - numbers + 3 : 3]).value_or(-1));
-    }
     if (alphas.empty() || !are_alphas(alphas)) continue;
     ListShape shape{place, numbers};
     if (is_last) leave_number(colored, alphas, shape);
     return shape;
   }
-  return {place, 3};
+  const bool is_doubtful = is_last && without > 0 && opaque > 0 && without + opaque == colored.size();
+  return {place, 3, is_doubtful, is_doubtful};
 }
 
 ListShape shape_of(std::span<const ListRow> rows) {
-  for (const auto place : {ListShape::Colors::kLast, ListShape::Colors::kFirst}) {
+  for (const auto place : {ListShape::Colors::kLast, ListShape::Colors::kFirst})
     if (const ListShape shape = shape_at(place, rows, false); shape.numbers > 0) return shape;
-  }
   return {};
 }
 
 ListShape shape_of_head(std::string_view head) {
-  const std::vector<TextLine> lines = lines_of(head);
-  return shape_of(rows_of(lines));
+  return shape_of(rows_of(list_lines(head)));
 }
 
 std::string_view unquoted(std::string_view text) {
@@ -184,9 +194,8 @@ std::span<const std::string_view> channels_of(const ListRow& row, const ListShap
   const std::span words(row.words);
   if (shape.colors == ListShape::Colors::kFirst)
     return row.numbers_first >= shape.numbers ? words.first(shape.numbers) : words.first(0);
-  const bool has_type = shape.numbers == 4 && !shape.leaves_number &&
-                        row.numbers_last == 5 &&  // FreeSurfer's
-                        words.size() == 6 && words.back() != "0" && words[4] == "0";
+  const bool has_type = shape.numbers == 4 && !shape.leaves_number && row.numbers_last == 5 &&
+                        words.size() == 6 && words.back() != "0" && words[4] == "0";  // FreeSurfer's
   const std::size_t count = shape.numbers + (has_type ? 1 : 0);
   return row.numbers_last >= shape.numbers ? words.last(count) : words.first(0);
 }
@@ -197,17 +206,15 @@ std::span<const std::string_view> channels_of(const ListRow& row, const ListShap
 Result<void> read_color_rows(const NamesInput& input, ListShape::Colors place, const char* layout,
                              bool underscores_are_blanks, NamesCollector& into) {
   const bool are_last = place == ListShape::Colors::kLast;
-  const std::vector<TextLine> lines = lines_of(input.text);
+  const std::vector<TextLine> lines = list_lines(input.text);
   const std::vector<ListRow> rows = rows_of(lines);
   const ListShape shape = shape_at(place, rows, true);
   if (shape.numbers == 0 && !lines.empty()) {
     return input.refuse(fmt::format("line {}: {} is not: {}; correct it, or give another --names-format",
                                     lines.front().number, in_quotes(lines.front().text), layout));
   }
-  if (shape.is_doubtful) {
-    into.add_note(shape.leaves_number ? "names-or-red" : "red-or-names", rows.front().line,
-                  rows.front().text);
-  }
+  if (shape.is_doubtful)
+    into.add_note(shape.leaves_number ? "names-or-red" : "red-or-names", rows[0].line, rows[0].text);
   std::vector<std::string> colors;
   for (const ListRow& row : rows) {
     const auto channels = channels_of(row, shape);
@@ -249,9 +256,8 @@ Result<void> read_color_rows(const NamesInput& input, ListShape::Colors place, c
 constexpr std::string_view kTable = "# Color table file", kRamp = "# Color procedural file";
 constexpr const char* kColorsLast = "label name R G B A";
 
-/// The name of a list without channels. A number behind it is the code, and text such as "#ff8800" or "rgb(1,
-/// 2, 3)" at either end the colour.
-LabelName name_of(const ListRow& row) {
+/// A name without channels. A number behind it may be the code, "#ff8800" or "rgb(1, 2, 3)" the colour.
+LabelName name_of(const ListRow& row, bool has_code) {
   LabelName name;
   name.line = row.line;
   if (row.words.empty()) return name;
@@ -265,7 +271,7 @@ LabelName name_of(const ListRow& row) {
                                  : text.ends_with(')') && bracket != std::string_view::npos
                                      ? text.substr(bracket)
                                      : "";
-  if (row.words.size() > 1 && row.numbers_last == 1 && (name.code = parse_integer(last))) {
+  if (has_code && row.words.size() > 1 && row.numbers_last == 1 && (name.code = parse_integer(last))) {
     text.remove_suffix(last.size());
   } else if (row.words.size() > 1 && (name.color = parse_table_color(color))) {
     text = color == first ? text.substr(first.size()) : text.substr(0, text.size() - color.size());
@@ -274,16 +280,11 @@ LabelName name_of(const ListRow& row) {
   return name;
 }
 
-bool recognise_itk_snap(std::string_view head) {
-  const ListShape shape = shape_of_head(head);
-  return shape.colors == ListShape::Colors::kFirst && shape.numbers >= 6;
-}
-
 // FreeSurfer's colour tables, also those of FastSurfer with a header line: id name R G B A [type].
 // A is transparency, and a few tables hide structures by it. All are shown opaque here.
 
 bool recognise_freesurfer(std::string_view head) {
-  const std::vector<TextLine> lines = lines_of(head);
+  const std::vector<TextLine> lines = list_lines(head);
   const std::vector<ListRow> rows = rows_of(lines);
   const ListShape shape = shape_of(rows);
   if (shape.colors != ListShape::Colors::kLast || head.starts_with(kTable)) return false;
@@ -303,14 +304,15 @@ Result<void> read_ctbl(const NamesInput& input, NamesCollector& into) {
   return read_color_rows(input, ListShape::Colors::kLast, kColorsLast, true, into);
 }
 
-bool recognise_mricron(std::string_view head) {
-  const std::vector<TextLine> lines = lines_of(head);
-  return !lines.empty() && row_of(lines.front());
-}
-
-// Lists of MRIcron, AAL and most others: label name [code].
+// Lists of MRIcron, AAL and most others: label name [code]. Names that would be equal end in a number.
 Result<void> read_mricron(const NamesInput& input, NamesCollector& into) {
-  for (const TextLine& line : lines_of(input.text)) {
+  const std::vector<TextLine> lines = lines_of(input.text);
+  std::set<std::string> names;
+  const bool have_codes = std::ranges::all_of(rows_of(lines), [&](const ListRow& row) {
+    const LabelName name = name_of(row, true);
+    return !name.code || names.insert(name_key(name.name)).second;
+  });
+  for (const TextLine& line : lines) {
     const auto row = row_of(line);
     if (!row) {
       into.add(split_blanks(line.text).front(), LabelName{{}, line.number, {}});
@@ -320,7 +322,7 @@ Result<void> read_mricron(const NamesInput& input, NamesCollector& into) {
       into.add_fault(line.number,
                      fmt::format("{} has a colour; it is a row of a colour table", in_quotes(line.text)));
     } else {
-      into.add(row->label, name_of(*row));
+      into.add(row->label, name_of(*row, have_codes));
     }
   }
   return {};
@@ -329,7 +331,10 @@ Result<void> read_mricron(const NamesInput& input, NamesCollector& into) {
 }  // namespace
 
 const Dialect kItkSnapNames{{NamesFormat::kItkSnap, "itksnap", "ITK-SNAP labels"},
-                            recognise_itk_snap,
+                            [](std::string_view head) {
+                              const ListShape shape = shape_of_head(head);
+                              return shape.colors == ListShape::Colors::kFirst && shape.numbers >= 6;
+                            },
                             [](const NamesInput& input, NamesCollector& into) {
                               return read_color_rows(input, ListShape::Colors::kFirst,
                                                      "label R G B A visible mesh \"name\"", false, into);
@@ -352,7 +357,11 @@ const Dialect kCtblNames{{NamesFormat::kCtbl, "ctbl", "3D Slicer colour table"},
                                   shape_of_head(head).colors == ListShape::Colors::kLast;
                          },
                          read_ctbl};
-const Dialect kMricronNames{
-    {NamesFormat::kMricron, "mricron", "list of labels and names"}, recognise_mricron, read_mricron};
+const Dialect kMricronNames{{NamesFormat::kMricron, "mricron", "list of labels and names"},
+                            [](std::string_view head) {
+                              const std::vector<TextLine> lines = lines_of(head);
+                              return !lines.empty() && row_of(lines.front());
+                            },
+                            read_mricron};
 
 }  // namespace splatlas

@@ -58,6 +58,8 @@ TEST_F(TableDialects, ReadsTablesWithoutAHeader) {
 }
 
 TEST_F(TableDialects, FindsColumnsByTheirValues) {
+  EXPECT_THAT(summaries(names("Nummer;Name;Rot;Grün;Blau\n9;Leber;204;51;26\n", NamesFormat::kCsv)),
+              ElementsAre("9 Leber #cc331a"));
   EXPECT_THAT(summaries(names("ROI,Region Name,Side\n1,liver,R\n2,heart,R\n", NamesFormat::kCsv)),
               ElementsAre("1 liver", "2 heart"));
   EXPECT_THAT(

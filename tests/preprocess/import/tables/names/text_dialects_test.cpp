@@ -84,6 +84,8 @@ TEST_F(TextDialects, ReadsColoursWhereAllRowsHaveThem) {
       summaries(names("1 liver #cc331a\n2 left lung #0000ff\n3 Vertebra #101\n4 heart rgb(255, 0, 0)\n",
                       NamesFormat::kMricron)),
       ElementsAre("1 liver #cc331a", "2 left lung #0000ff", "3 Vertebra #101", "4 heart #ff0000"));
+  EXPECT_THAT(summaries(names("liver\n1 204 51 26 255\nArea 4\n2 255 0 0 255\n", NamesFormat::kFslEyes)),
+              ElementsAre("1 liver #cc331a", "2 Area 4 #ff0000"));  // of Connectome Workbench
   // The last numbers are the colour, unless the fourth can be an opacity
   EXPECT_THAT(summaries(names("1 Area 4 204 51 26\n2 Area 6 0 0 255\n", NamesFormat::kCtbl)),
               ElementsAre("1 Area 4 #cc331a", "2 Area 6 #0000ff"));
@@ -129,6 +131,8 @@ TEST_F(TextDialects, ReadsAalsFile) {
   EXPECT_THAT(summaries(list), ElementsAre("1 Precentral_L", "2 Precentral_R"));
   EXPECT_EQ(list[1].code, 2002);
   EXPECT_EQ(list[1].line, 2u);
+  EXPECT_THAT(summaries(names("1 BA 10\n2 BA 11\n3 insula 2\n", NamesFormat::kMricron)),
+              ElementsAre("1 BA 10", "2 BA 11", "3 insula 2"));  // codes would leave equal names
 }
 
 TEST_F(TextDialects, ReadsNamesOfSeveralWordsTabsAndQuotes) {
