@@ -106,7 +106,7 @@ bool is_orthonormal(const Matrix3& m) {
 Result<void> check_numbers(const NiftiHeader& header, const std::filesystem::path& path) {
   const auto axes = static_cast<std::size_t>(std::min<std::int64_t>(3, header.dim[0]));
   for (std::size_t n = 1; n <= axes; ++n) {
-    const double mm = header.pixdim[n] * header.mm_per_unit();
+    const double mm = header.pixdim[n] * header.mm_per_unit().value_or(1);
     if (!(is_plausible(mm) && mm != 0))
       return bad_file(path, "has a spacing of {} mm along axis {}; it must be a positive number", mm, n);
   }
@@ -131,7 +131,7 @@ Result<Affine12> choose_affine(const NiftiHeader& header, const std::filesystem:
     if (apart > kNegligible * smallest) {
       notes.add("sform-and-qform-differ",
                 fmt::format("{} (the qform places voxels up to {:.3g} mm elsewhere)", path.string(),
-                            apart * header.mm_per_unit()));
+                            apart * header.mm_per_unit().value_or(1)));
     }
     return header.sform;
   }
@@ -187,13 +187,10 @@ void read_long_header(const Fields& fields, NiftiHeader& header) {
 
 }  // namespace
 
-double NiftiHeader::mm_per_unit() const {
-  constexpr std::int64_t kMetre = 1, kMicron = 3, kSpaceBits = 7;
-  switch (units & kSpaceBits) {
-    case kMetre: return 1e3;
-    case kMicron: return 1e-3;
-    default: return 1;
-  }
+std::optional<double> NiftiHeader::mm_per_unit() const {
+  constexpr std::array<double, 8> kFactors{0, 1e3, 1, 1e-3};  // unknown, metres, mm, micrometres
+  const double mm = kFactors.at(static_cast<std::size_t>(units) % kFactors.size());
+  return mm > 0 ? std::optional(mm) : std::nullopt;
 }
 
 Result<NiftiHeader> parse_nifti_header(std::span<const std::byte> bytes, const std::filesystem::path& path) {
@@ -251,19 +248,21 @@ Grid grid_of_ras_affine(const Index3& size, const Affine12& affine) {
 Result<Grid> nifti_grid(const NiftiHeader& header, const std::filesystem::path& path, Notes& notes) {
   SPLATLAS_RETURN_IF_ERROR(check_numbers(header, path));
   SPLATLAS_ASSIGN_OR_RETURN(Affine12 affine, choose_affine(header, path, notes));
-  const double mm = header.mm_per_unit();
+  const double mm = header.mm_per_unit().value_or(1);
   if (mm < 1 || mm > 1) notes.add("units", path.string());
   for (double& number : affine) number *= mm;
   Index3 size;
   for (std::size_t a = 0; a < 3; ++a)
     size[a] = static_cast<std::int64_t>(a) < header.dim[0] ? header.dim[a + 1] : 1;
   Grid grid = grid_of_ras_affine(size, affine);
+  constexpr double kRounding = 1e-5, kLeast = 0.005, kMost = 100;  // the latter in mm
   for (std::size_t a = 0; a < 3; ++a) {
     // The sform repeats the spacing, rounded.
-    constexpr double kRounding = 1e-5;
     const double stated = spacing(header, a) * mm;
     if (std::abs(grid.spacing_mm[a] - stated) <= kRounding * stated) grid.spacing_mm[a] = stated;
   }
+  const auto [least, most] = std::ranges::minmax(grid.spacing_mm);
+  if (!header.mm_per_unit() && (least < kLeast || most > kMost)) notes.add("unknown-unit", path.string());
   SPLATLAS_RETURN_IF_ERROR(validate(grid, path.string()));
   return grid;
 }

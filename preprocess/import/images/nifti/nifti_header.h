@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <span>
 
 #include "format/content/grid.h"
@@ -61,8 +62,8 @@ struct NiftiHeader {
   /// Length of the longest header, and of the header of a kind.
   static constexpr std::size_t kMaxBytes = 540, kNifti1Bytes = 348;
   [[nodiscard]] std::size_t bytes() const { return kind == Kind::kNifti2 ? kMaxBytes : kNifti1Bytes; }
-  /// Factor from the unit of length to mm; 1 if it is unknown.
-  [[nodiscard]] double mm_per_unit() const;
+  /// Factor from the unit of length to mm; nullopt if it is unknown.
+  [[nodiscard]] std::optional<double> mm_per_unit() const;
 };
 
 /// Parses the first bytes of a file, at most kMaxBytes. kFailed for other files, for numbers of axes beyond
