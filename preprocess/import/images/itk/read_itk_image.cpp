@@ -176,7 +176,10 @@ Result<std::vector<SourceSegment>> segments_of_mitk(const std::map<std::string, 
   std::vector<SourceSegment> segments;
   std::vector<std::string> colors;
   const auto text = pairs.find("org.mitk.multilabel.segmentation.labelgroups");
-  if (text == pairs.end()) return segments;
+  if (text == pairs.end()) {  // before 2023, it had a pair a label
+    if (pairs.contains("label_000_00001")) notes.add("unread-names", path.string());
+    return segments;
+  }
   std::size_t layer = 0;
   for (const auto& group : nlohmann::json::parse(text->second)) {
     for (const auto& label : group.at("labels")) {

@@ -173,7 +173,11 @@ class NiftiReader {
     const double count = std::min(header_.voxel_offset - first, kMostBytes);
     SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::byte> bytes,
                               file_.read(header_.bytes(), static_cast<std::uint64_t>(count)));
-    image_.segments = labels_of_extensions({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    image_.segments = labels_of_extensions(text);
+    const auto has = [text](std::string_view table) { return text.find(table) != std::string_view::npos; };
+    if (image_.segments.empty() && (has("<LabelTable") || has("VALUE_LABEL_DTABLE")))
+      image_.notes.add("unread-names", path_.string());
     return {};
   }
 

@@ -184,6 +184,10 @@ TEST_F(MoreFormats, ReadsSegmentsOfMitk) {
   EXPECT_EQ(bytes.segments.at(0).structure.color, (Rgb{204, 51, 26}));
   EXPECT_THAT(bytes.notes.all()[0].message(), HasSubstr("1 colour cannot be read and is left out: \"[256,"));
   refuses("a.nrrd", nrrd_header("raw", key + "[{}]\n") + RawImage::payload(), "names of MITK");
+  const SourceImage old =
+      source("a.nrrd", nrrd_header("raw", "label_000_00001:=<Label name=\"a\"/>\n") + RawImage::payload());
+  EXPECT_THAT(old.notes.all().front().message(),
+              HasSubstr("1 file has names of labels in a form that is not"));
 }
 
 TEST_F(MoreFormats, ChoosesAVolumeOfSeveral) {
@@ -219,6 +223,11 @@ TEST_F(MoreFormats, ReadsNamesOfLabelsFromAHeader) {
   EXPECT_EQ(image.segments[1].value, 12);
   EXPECT_EQ(image.segments[1].structure.name, "kidney & left");
   EXPECT_FALSE(image.is_segmentation);
+  xml.replace(0, 18, "VALUE_LABEL_DTABLE").replace(xml.find("<LabelTable"), 11, "<LABELTABLE");
+  const SourceImage afni =
+      source("a.nii", with_number<float>(header, 108, offset) + extension.get() + xml + RawImage::payload());
+  EXPECT_THAT(afni.notes.all().front().message(),
+              HasSubstr("1 file has names of labels in a form that is not"));
 }
 
 /// Big-endian, and the position of index size / 2 in RAS.
