@@ -168,10 +168,10 @@ PictureRegion region_of_figure(const AnnotatedScene& scene, const AnnotationOpti
   return {std::max(0.0, left), std::max(0.0, top), std::min(right, 1.0), std::min(bottom, 1.0)};
 }
 
-Result<AnnotationLayer> annotate_picture(const AnnotatedScene& scene, const AnnotationOptions& options,
-                                         const MeasureText& measure) {
-  if (!options.items.any()) return AnnotationLayer{};
-  const FreeSpace free_space(scene.picture);
+namespace {
+
+Result<AnnotationLayer> annotated_in(const FreeSpace& free_space, const AnnotatedScene& scene,
+                                     const AnnotationOptions& options, const MeasureText& measure) {
   // Beside labels, the legend lists what has none; without a legend, a note tells their number. Both take
   // room from the labels, so that more may lack one.
   const bool completes = options.items.labels && options.items.legend;
@@ -200,6 +200,19 @@ Result<AnnotationLayer> annotate_picture(const AnnotatedScene& scene, const Anno
                 size.width, size.height, kLabelPoints * layout->pt);
   }
   return std::move(layout->layer);
+}
+
+}  // namespace
+
+Result<AnnotationLayer> annotate_picture(const AnnotatedScene& scene, const AnnotationOptions& options,
+                                         const MeasureText& measure) {
+  if (!options.items.any()) return AnnotationLayer{};
+  auto layer = annotated_in(FreeSpace(scene.picture), scene, options, measure);
+  constexpr float kFaintAlpha = 0.25f;
+  // In a picture full of faint hulls, names stand on these
+  if (layer && options.items.labels && layer->labels == 0)
+    return annotated_in(FreeSpace(scene.picture, kFaintAlpha), scene, options, measure);
+  return layer;
 }
 
 std::string printed_line(std::string_view text) {

@@ -221,7 +221,6 @@ double column_edge(const std::vector<Label>& labels, const std::vector<std::size
 }
 
 constexpr int kCellsOnShortSide = 1024;
-constexpr float kVisibleAlpha = 1.0f / 512;
 
 }  // namespace
 
@@ -304,7 +303,7 @@ FreeSpace::FreeSpace(const PictureSize& size)
       rows_((size.height + cell_ - 1) / cell_),
       sums_(static_cast<std::size_t>(columns_ + 1) * static_cast<std::size_t>(rows_ + 1)) {}
 
-FreeSpace::FreeSpace(const Picture& picture) : FreeSpace(picture.size) {
+FreeSpace::FreeSpace(const Picture& picture, float alpha) : FreeSpace(picture.size) {
   // Mark the cells that show structures
   const auto at = [this](int column, int row) -> std::uint32_t& {
     return sums_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_ + 1) +
@@ -312,7 +311,7 @@ FreeSpace::FreeSpace(const Picture& picture) : FreeSpace(picture.size) {
   };
   for (int y = 0; y < picture.size.height; ++y) {
     for (int x = 0; x < picture.size.width; ++x) {
-      if (picture.at(x, y)[3] > kVisibleAlpha) at(x / cell_ + 1, y / cell_ + 1) = 1;
+      if (picture.at(x, y)[3] > alpha) at(x / cell_ + 1, y / cell_ + 1) = 1;
     }
   }
 

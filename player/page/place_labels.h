@@ -18,8 +18,8 @@ class FreeSpace {
  public:
   /// Of a picture without structures. O(cells).
   explicit FreeSpace(const PictureSize& size);
-  /// Pixels above an alpha of 1/512 show structures: they may change an 8-bit picture. O(pixels).
-  explicit FreeSpace(const Picture& picture);
+  /// Pixels above this alpha show structures; those above 1/512 may change an 8-bit picture. O(pixels).
+  explicit FreeSpace(const Picture& picture, float alpha = 1.0f / 512);
 
   /// True if no pixel of the box shows a structure. Only the part inside the picture counts.
   [[nodiscard]] bool is_free(const PageBox& box) const;
