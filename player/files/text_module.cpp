@@ -159,7 +159,9 @@ class PangoEngine : public TextEngine {
   }
 
   bool lacks_glyphs(std::string_view text) override {
-    return pango_layout_get_unknown_glyphs_count(line_of(text, 10, FontStyle::kRegular).get()) > 0;
+    const Layout layout = line_of(text, 10, FontStyle::kRegular);
+    pango_layout_set_single_paragraph_mode(layout.get(), FALSE);  // it has a glyph for ends of lines
+    return pango_layout_get_unknown_glyphs_count(layout.get()) > 0;
   }
 
   /// Draws outlines: Cairo would move the glyphs of pictures to whole pixels.
