@@ -41,6 +41,38 @@ PageLayout lay_out(const AnnotatedScene& scene, const AnnotationOptions& options
   return layout;
 }
 
+Result<AnnotationLayer> annotated_in(const FreeSpace& free_space, const AnnotatedScene& scene,
+                                     const AnnotationOptions& options, const MeasureText& measure) {
+  // Beside labels, the legend lists what has none; without a legend, a note tells their number. Both take
+  // room from the labels, so that more may lack one.
+  const bool completes = options.items.labels && options.items.legend;
+  std::vector<bool> is_listed(scene.structures.size(), !completes);
+  std::optional<PageLayout> layout(lay_out(scene, options, measure, free_space, is_listed, 0));
+  constexpr int kMaxPasses = 4;
+  std::size_t told = 0;
+  for (int pass = 0; pass < kMaxPasses; ++pass) {
+    const std::size_t unlabelled = completes ? 0 : layout->layer.unlabelled;
+    const std::vector<bool> before = is_listed;
+    for (std::size_t s = 0; s < is_listed.size(); ++s) is_listed[s] = is_listed[s] || layout->lacks_label[s];
+    if (is_listed == before && unlabelled <= told) break;
+    told = unlabelled;
+    layout.emplace(lay_out(scene, options, measure, free_space, is_listed, told));
+  }
+  // A later pass may have labelled what an earlier one listed
+  if (completes && layout->lacks_label != is_listed) {
+    PageLayout shorter = lay_out(scene, options, measure, free_space, layout->lacks_label, told);
+    if (shorter.lacks_label == shorter.is_listed) layout.emplace(std::move(shorter));
+  }
+  if (!fits(*layout)) {
+    const PictureSize& size = scene.picture.size;
+    return fail(ErrorCode::kUsage,
+                "picture size {}x{}: too small for its annotations, with labels of {:.0f} pixels; "
+                "take a larger --size, a smaller --dpi or fewer items",
+                size.width, size.height, kLabelPoints * layout->pt);
+  }
+  return std::move(layout->layer);
+}
+
 constexpr int kMaxPicks = 40000;
 /// Longer texts would take the whole page, and seconds to lay out. Names of built atlases are never longer.
 constexpr std::size_t kMaxTextBytes = 4000, kMaxNameBytes = 800;
@@ -168,50 +200,13 @@ PictureRegion region_of_figure(const AnnotatedScene& scene, const AnnotationOpti
   return {std::max(0.0, left), std::max(0.0, top), std::min(right, 1.0), std::min(bottom, 1.0)};
 }
 
-namespace {
-
-Result<AnnotationLayer> annotated_in(const FreeSpace& free_space, const AnnotatedScene& scene,
-                                     const AnnotationOptions& options, const MeasureText& measure) {
-  // Beside labels, the legend lists what has none; without a legend, a note tells their number. Both take
-  // room from the labels, so that more may lack one.
-  const bool completes = options.items.labels && options.items.legend;
-  std::vector<bool> is_listed(scene.structures.size(), !completes);
-  std::optional<PageLayout> layout(lay_out(scene, options, measure, free_space, is_listed, 0));
-  constexpr int kMaxPasses = 4;
-  std::size_t told = 0;
-  for (int pass = 0; pass < kMaxPasses; ++pass) {
-    const std::size_t unlabelled = completes ? 0 : layout->layer.unlabelled;
-    const std::vector<bool> before = is_listed;
-    for (std::size_t s = 0; s < is_listed.size(); ++s) is_listed[s] = is_listed[s] || layout->lacks_label[s];
-    if (is_listed == before && unlabelled <= told) break;
-    told = unlabelled;
-    layout.emplace(lay_out(scene, options, measure, free_space, is_listed, told));
-  }
-  // A later pass may have labelled what an earlier one listed
-  if (completes && layout->lacks_label != is_listed) {
-    PageLayout shorter = lay_out(scene, options, measure, free_space, layout->lacks_label, told);
-    if (shorter.lacks_label == shorter.is_listed) layout.emplace(std::move(shorter));
-  }
-  if (!fits(*layout)) {
-    const PictureSize& size = scene.picture.size;
-    return fail(ErrorCode::kUsage,
-                "picture size {}x{}: too small for its annotations, with labels of {:.0f} pixels; "
-                "take a larger --size, a smaller --dpi or fewer items",
-                size.width, size.height, kLabelPoints * layout->pt);
-  }
-  return std::move(layout->layer);
-}
-
-}  // namespace
-
 Result<AnnotationLayer> annotate_picture(const AnnotatedScene& scene, const AnnotationOptions& options,
                                          const MeasureText& measure) {
   if (!options.items.any()) return AnnotationLayer{};
   auto layer = annotated_in(FreeSpace(scene.picture), scene, options, measure);
-  constexpr float kFaintAlpha = 0.25f;
   // In a picture full of faint hulls, names stand on these
   if (layer && options.items.labels && layer->labels == 0)
-    return annotated_in(FreeSpace(scene.picture, kFaintAlpha), scene, options, measure);
+    return annotated_in(FreeSpace(scene.picture, 0.25f), scene, options, measure);
   return layer;
 }
 

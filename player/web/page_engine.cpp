@@ -112,8 +112,9 @@ Result<std::vector<bool>> labelled_by(const Json& names, const Renderer& rendere
 Json json_of(const AnnotationLayer& layer, double label_size) {
   Json json{{"lines", Json::array()}, {"dots", Json::array()}, {"texts", Json::array()}};
   for (const PlacedLine& one : layer.lines)
-    json["lines"].push_back({one.from.x, one.from.y, one.to.x, one.to.y, one.width, to_hex(one.color),
-                             one.casing, to_hex(one.casing_color)});
+    if (one.casing > 0)  // no rule above a note
+      json["lines"].push_back({one.from.x, one.from.y, one.to.x, one.to.y, one.width, to_hex(one.color),
+                               one.casing, to_hex(one.casing_color)});
   for (const PlacedDot& one : layer.dots)
     json["dots"].push_back(
         {one.center.x, one.center.y, one.radius, to_hex(one.color), one.casing, to_hex(one.casing_color)});

@@ -228,21 +228,25 @@ TEST_F(PageServerTest, DrawsThePicturesOfTheRenderer) {
   const auto page = open_page();
   const CallReply drawn = call(
       0,
-      R"({"call": "draw", "select": "*:surface", "size": [80, 60], "camera": {"azimuth": 30, "fit": {"zoom": 1.5}}})");
+      R"({"call": "draw", "select": "*:surface", "size": [240, 180], "camera": {"azimuth": 30, "fit": {"zoom": 0.5}}})");
   ASSERT_EQ(drawn.status, 0U) << drawn.text;
   Renderer renderer(atlas_, {.threads = 1});
   value_or_throw(renderer.select(selection_of("*:surface", atlas_->graph())));
-  const RenderOptions options{.size = {80, 60}};
+  const RenderOptions options{.size = {240, 180}};
   RenderOptions draft = options;
   draft.quality = Quality::kDraft;
   Camera camera = value_or_throw(renderer.fit({.azimuth_deg = 30}, draft));
-  camera.zoom *= 1.5;
+  camera.zoom *= 0.5;
   const auto expected = to_srgba8(value_or_throw(renderer.render(camera, options)).picture);
   EXPECT_TRUE(
       std::ranges::equal(drawn.pixels, expected, {}, [](char c) { return static_cast<std::uint8_t>(c); }));
 
-  const CallReply pick = call(0, R"({"call": "pick", "at": [40, 30]})");
-  EXPECT_EQ(call(1, R"({"call": "pick", "at": [40, 30]})").text, "null\n")
+  const CallReply pick = call(0, R"({"call": "pick", "at": [120, 90]})");
+  const CallReply names =
+      call(0, R"({"call": "labels", "glyphs": {"2": 9999}, "dpi": 72, "background": "#ffffff"})");
+  EXPECT_EQ(Json::parse(names.text).at("lines").size(), Json::parse(names.text).at("dots").size())
+      << names.text;
+  EXPECT_EQ(call(1, R"({"call": "pick", "at": [120, 90]})").text, "null\n")
       << "each worker has a picture of its own";
   EXPECT_EQ(pick.status, 0U);
   EXPECT_EQ(Json::parse(call(0, R"({"call": "info"})").text).at("structures").size(), atlas_->graph().size());
