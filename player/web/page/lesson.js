@@ -69,6 +69,7 @@ class Lesson {
   #remove() {
     const {scenes} = this.#model.info;
     const {scene} = this.#model.state;
+    if (!confirm(`Remove the scene "${scenes[scene].name}"?`)) return;
     scenes.splice(scene, 1);
     this.#reorder(scenes.length === 0 ? null : Math.min(scene, scenes.length - 1));
     if (scenes.length > 0) this.#handlers.show(this.#model.state.scene);

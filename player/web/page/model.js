@@ -47,6 +47,12 @@ class Model {
 
   leaves(index) { return this.subtree(index).filter(structure => this.#children[structure].length === 0); }
 
+  /** The groups above a structure, the smallest first. */
+  groups(index) {
+    const isAbove = group => group !== index && this.subtree(group).includes(index);
+    return [...this.structures.keys()].filter(isAbove).sort((a, b) => this.leaves(a).length - this.leaves(b).length);
+  }
+
   /** Names from a root to the structure, along its first parents. */
   path(index) {
     const names = [];

@@ -17,8 +17,8 @@ class Page {
     picture: message => this.#takePicture(message),
     drawn: (drawn, colors) => this.#takeDrawn(drawn, colors),
     picked: (picked, {purpose, u, v}) => this.#takePick(picked, purpose, u, v),
-    hovered: picked => this.#pointer.show(this.#quiz.isAsking() ? null : picked),
-    labelled: layer => { if (layer && !this.#quiz.isAsking()) this.#names.show(layer, this.#pictures.width, this.#pictures.height); },
+    hovered: picked => this.#pointer.show(this.#isAsking() ? null : picked),
+    labelled: layer => { if (layer && !this.#isAsking()) this.#names.show(layer, this.#pictures.width, this.#pictures.height); },
     lit: lightUp, sliced: slices => this.#slices.take(slices),
     told: (text, of) => this.#tell(of === 'label' && /too small/.test(text) ? 'There is no room for names of this size.' : text),
     error: text => this.#takeError(text),
@@ -101,6 +101,7 @@ class Page {
       },
       changed: () => {
         this.#name(null);
+        if (this.#model.state.isAsking && !this.#quiz.isAsking()) this.#answer();
         this.#labelPicture();
       },
     });
@@ -208,10 +209,14 @@ class Page {
     this.#goTo({azimuth, elevation, zoom: 1, projection, fit: {structure: -1, zoom, center}});
   }
 
+  /** True while names would give the answer away. */
+  #isAsking() { return this.#quiz.isAsking() || this.#model.state.isAsking; }
+
   /** The picture stays. */
   #answer() {
     this.#model.change({isAsking: false}, this.#stage.camera);
     this.#mark();
+    this.#labelPicture();
     this.#writeLink();
   }
 
@@ -273,13 +278,13 @@ class Page {
 
   #choose(index) {
     this.#inspector.choose(index);
-    if (this.#model.mode(index) !== 'off') this.#engine.ask('light', {structure: index});
+    this.#name(this.#model.mode(index) === 'off' ? null : index);
+    if (this.#named !== null) this.#engine.ask('light', {structure: index});
   }
 
   #takePick(picked, purpose, u, v) {
     if (this.#quiz.takes(picked?.index ?? null)) return;
-    this.#name(picked?.index ?? null);
-    if (picked === null) return;
+    if (picked === null) return this.#name(null);
     byId('search').value = '';
     this.#tree.show(null);
     this.#tree.reveal(picked.index);
@@ -348,7 +353,7 @@ class Page {
     const labels = scene === null || this.#model.differsFromScene() ? [] : this.#model.info.scenes[scene].labels;
     const options = this.#names.options(labels, this.#pictures.width / this.#stage.size()[0]);
     this.#names.hide();
-    if (options && document.body.dataset.quality !== 'draft' && !this.#quiz.isAsking()) this.#engine.label(options);
+    if (options && document.body.dataset.quality !== 'draft' && !this.#isAsking()) this.#engine.label(options);
   }
 
   /** Changes parts of the camera: a step of undo. */

@@ -4,8 +4,7 @@
 const kNames = 4;  // to choose from
 
 /** Asks to find or to name what is shown, or the questions of scenes that have labels. Counts and saves the answers.
- * Calls the handlers {state(), restore(state), show(n), light(index): alone within the hulls of the others, changed(): asked
- * or answered}. */
+ * Calls the handlers {state(), restore(state), show(n), light(index): alone in the hulls of the others, changed()}. */
 class Quiz {
   #model; #handlers;
   #before = null;    // state of the page; null: no quiz
@@ -33,7 +32,6 @@ class Quiz {
     byId('quiz-lesson').hidden = this.#ofLesson().length === 0;
   }
 
-  /** True while names would give the answer away. */
   isAsking() { return this.#question !== null; }
 
   /** Takes a click on a structure, or on none. @returns {boolean} false without a question */
@@ -88,8 +86,8 @@ class Quiz {
   #offer(index) {
     this.#handlers.light(index);
     const near = [];
-    for (let [parent] = this.#model.parents[index]; near.length < kNames - 1 && parent !== undefined; [parent] = this.#model.parents[parent])
-      near.push(...Quiz.shuffled(this.#model.leaves(parent)).filter(leaf => leaf !== index && !near.includes(leaf)));
+    for (const group of this.#model.groups(index))
+      near.push(...Quiz.shuffled(this.#model.leaves(group)).filter(leaf => leaf !== index && !near.includes(leaf)));
     near.push(...Quiz.shuffled(this.#pool).filter(leaf => leaf !== index && !near.includes(leaf)));
     byId('quiz-names').replaceChildren(...Quiz.shuffled([index, ...near.slice(0, kNames - 1)]).map(each => {
       const button = element('button', {}, nameElement(this.#model.structures[each].name));

@@ -150,7 +150,7 @@ async function search(visit) {
   assert(rows.length > 0 && rows.every(isNamed), `found: ${rows}`);
   await visit.picture('search');
   await page.click('#tree [role=treeitem]');
-  assert(isNamed(await visit.text('#chosen-name')));
+  assert(isNamed(await visit.text('#picked strong')));
 }
 
 /** Shows the found structure alone, changes it, and picks it. */
@@ -318,6 +318,7 @@ async function record(visit) {
   await page.click('#record');
   await page.waitForFunction(() => document.activeElement.id === 'scene-name', {timeout: kPatience});
   await page.type('#scene-name', 'Recorded');
+  await page.type('#scene-question', 'Which?');
   await page.type('#scene-caption', 'One\n"Two"');
   await page.type('#scene-labels', 'Sphere_2');
   await idle();
@@ -331,6 +332,8 @@ async function record(visit) {
   });
   await idle();
   assert.strictEqual(await page.evaluate(textOfCanvas), screen);
+  assert(await page.$eval('#names', names => names.hidden));  // they are the answer
+  await page.keyboard.press('n');
   await page.waitForSelector('#names:not([hidden])', {timeout: kPatience});
   await visit.picture('desk_names');
   const saved = await page.evaluate(async () => {
@@ -342,10 +345,11 @@ async function record(visit) {
   });
   fs.writeFileSync(path.join(folder, 'lesson.toml'), saved);
   assert.strictEqual(saved.match(/\[\[scene\]\]/g).length, 4);
-  assert.match(saved, /name = "Recorded"\nselect = "\*:volume"\nquestion = ""\ncaption = "One\\n\\"Two\\""\n/);
+  assert.match(saved, /name = "Recorded"\nselect = "\*:volume"\nquestion = "Which\?"\ncaption = "One\\n\\"Two\\""\n/);
   assert.match(saved, /cuts = \["0,-1,0,-15","0.5,0,0.5,20"\]\nlabels = \["Sphere_2"\]\n$/);
   await page.click('#tab-recording');
   await saveIntoAtlas(visit, 4, 'Replace the lesson in native.atlas?');
+  visit.agrees = 'Remove the scene "Recorded"?';
   await visit.changesBy('#remove');
   await saveIntoAtlas(visit, 3);
   await page.click('#tab-structures');
@@ -420,6 +424,10 @@ async function onPhone(visit, url) {
     await visit.changesBy('f');
     assert.strictEqual(await visit.page.$$eval('#strip canvas', all => all.filter(each => each.checkVisibility()).length), 2);
     await visit.picture('phone_large');
+    await visit.page.setViewport({...kPhone, width: 300});
+    const sides = await visit.page.$$eval('#strip button', all => all.map(each => each.getBoundingClientRect()).flatMap(({left, right}) => [left, right]));
+    assert.deepStrictEqual(sides, sides.toSorted((a, b) => a - b));  // none covers another
+    await visit.page.setViewport(kPhone);
     await visit.changesBy('Escape');
   }
   await visit.page.tap('#tab-cutting');
