@@ -33,7 +33,6 @@ for (const text of ['left THALAM*', 'Thalamus_L'])
   assert.deepStrictEqual(model.named(text).map(index => model.structures[index].name), ['Left thalamus']);
 assert.deepStrictEqual(model.named('(Left thalamus'), []);
 
-// Near relatives: the lobe before the hemisphere, whichever stands first.
 assert.deepStrictEqual(new Model({structures: [['H'], ['L'], ['a', 'H', 'L'], ['b', 'H'], ['c', 'L'], ['d', 'H']].map(([id, ...parents]) => ({id, parents}))})
   .groups(2), [1, 0]);
 assert.strictEqual(model.search(' - '), null);

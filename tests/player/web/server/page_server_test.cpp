@@ -242,10 +242,9 @@ TEST_F(PageServerTest, DrawsThePicturesOfTheRenderer) {
       std::ranges::equal(drawn.pixels, expected, {}, [](char c) { return static_cast<std::uint8_t>(c); }));
 
   const CallReply pick = call(0, R"({"call": "pick", "at": [120, 90]})");
-  const CallReply names =
-      call(0, R"({"call": "labels", "glyphs": {"2": 9999}, "dpi": 72, "background": "#ffffff"})");
-  EXPECT_EQ(Json::parse(names.text).at("lines").size(), Json::parse(names.text).at("dots").size())
-      << names.text;
+  const Json names = Json::parse(
+      call(0, R"({"call": "labels", "glyphs": {"2": 9999}, "dpi": 72, "background": "#ffffff"})").text);
+  EXPECT_EQ(names.at("lines").size(), names.at("dots").size()) << "a rule";
   EXPECT_EQ(call(1, R"({"call": "pick", "at": [120, 90]})").text, "null\n")
       << "each worker has a picture of its own";
   EXPECT_EQ(pick.status, 0U);
