@@ -393,6 +393,7 @@ class Page {
     this.#menu = new Menu([
       ['Only this', () => this.#inspector.isolate()],
       ['Ghost the others', index => this.#ghostOthers(index)],
+      ['Colour …', () => byId('color').click()],
       ['Hide', index => this.#inspector.toggle(index)],
       ['Go there', index => this.#focus(index)],
     ]);

@@ -182,7 +182,10 @@ async function point(visit) {
   await page.mouse.click(x, y, {button: 'right'});
   await page.waitForSelector('#menu:not([hidden])', {timeout: kPatience});
   await visit.picture('desk_menu');
-  await page.keyboard.press('Escape');
+  assert(await page.evaluate(() => new Promise(resolve => {
+    document.getElementById('color').addEventListener('click', event => resolve(event.preventDefault() ?? true), {once: true});
+    document.querySelector('#menu button:nth-child(3)').click();
+  })));
   await visit.changesBy('g');
   await visit.changesBy('#hide-all', 'u', '#redo', 'u');
 }
