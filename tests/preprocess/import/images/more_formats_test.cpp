@@ -386,24 +386,5 @@ TEST_F(MoreFormats, ReadsEveryPageOfATiffFile) {
   }
 }
 
-TEST_F(MoreFormats, MasksAtTheTopComeBeforeDicomBelow) {
-  std::filesystem::create_directories(folder_.path() / "mix" / "dicom");
-  write_bytes(folder_.file("mix/dicom/slice"), std::string(128, '\0') + "DICM");
-  ASSERT_NE(find_image_format(folder_.path() / "mix"), nullptr);
-  write_bytes(folder_.file("mix/liver.nii"), nifti());
-  EXPECT_EQ(find_image_format(folder_.path() / "mix"), nullptr);
-}
-
-TEST_F(MoreFormats, PicturesNeedDistances) {
-  write_bytes(folder_.file("a.tif"), "no picture");
-  EXPECT_THAT(import_image(folder_.file("a.tif")),
-              FailsWith(ErrorCode::kUsage, HasSubstr("--spacing X,Y,Z")));
-  Notes notes;
-  ImageOptions options;
-  options.spacing_mm = Vec3{1, 1, 1};
-  EXPECT_THAT(import_image(folder_.file("a.tif"), options, notes).error().message,
-              HasSubstr("not the picture"));
-}
-
 }  // namespace
 }  // namespace splatlas
