@@ -121,8 +121,9 @@ TEST_F(BuildAtlas, ColoursOfAnatomyKeepNeighboursApart) {
   std::ofstream(build_options.sources.names = file("names.csv"))
       << "label,name,color\n1,rib L1 left,\n2,rib 2 left,\n3,Left rib 3,\n4,rib L1 right,\n5,rib 2 right,\n"
          "6,Right rib 3,\n7,aorta,#c8352e\n8,renal artery,\n9,femur,\n";
+  const AtlasContent content = build(build_options);
   std::map<char, Rgb> colors;
-  for (const Structure& s : build(build_options).graph.structures())
+  for (const Structure& s : content.graph.structures())
     colors[row[row.find(std::to_string(*s.label))]] = s.color;
   for (std::size_t n = 1; n < row.size(); ++n) {
     if (row[n - 1] == row[n] || row[n - 1] == '0' || row[n] == '0') continue;
