@@ -222,7 +222,7 @@ std::vector<Rgb> distinct_colors(std::span<const std::vector<StructureIndex>> ne
       const SeenColor looks = seen(color);
       double apart = kApart;
       for (const StructureIndex other : neighbors[s])
-        if (found[other] && other != s) apart = std::min(apart, distance(looks, *found[other]));
+        if (found[other]) apart = std::min(apart, distance(looks, *found[other]));
       if (apart <= farthest) continue;
       farthest = apart;
       best = n;

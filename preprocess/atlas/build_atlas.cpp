@@ -73,8 +73,8 @@ Result<StructureGraph> with_distinct_colors(const SourceModel& model, const Plac
     uncolored.push_back(s);
     wished[s] = anatomical_color(source.name, source.terms);
     const SidedName sided = sided_name(source.name);
-    const auto partner = partners.find({source.group, sided.rest, sided.side == 'l' ? 'r' : 'l'});
     if (sided.side == 0 || !wished[s]) continue;
+    const auto partner = partners.find({source.group, sided.rest, sided.side == 'l' ? 'r' : 'l'});
     if (partner == partners.end()) {
       partners.emplace(std::tuple(source.group, sided.rest, sided.side), s);
     } else if (wished[partner->second] == wished[s]) {

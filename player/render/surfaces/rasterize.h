@@ -55,7 +55,7 @@ class Rasterizer {
   /// Paints every sample, or keeps its fragments if `paint` is null.
   [[nodiscard]] Result<void> draw_tiles(const RasterScene& scene, const RasterOptions& options,
                                         const PaintTile* paint, ThreadPool& pool);
-  /// What is seen of the faces in a tile without surfaces.
+  /// Sets seen_ to the visible faces of a tile without surfaces.
   void see_faces(const RasterScene& scene, const PixelBox& tile, float termination_threshold);
   [[nodiscard]] std::size_t edge_pixels(const PixelBox& region, const PixelBox& tile) const;
   /// Draws a tile that `worker` has begun, and paints it or keeps its fragments in `out`.
