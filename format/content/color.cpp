@@ -9,6 +9,7 @@
 #include "format/result_macros.h"
 
 namespace splatlas {
+
 std::string to_hex(Rgb color) {
   return fmt::format("#{:02x}{:02x}{:02x}", color.r, color.g, color.b);
 }

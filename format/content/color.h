@@ -20,9 +20,9 @@ struct Rgb {
 [[nodiscard]] std::string to_hex(Rgb color);
 /// Parses "#rrggbb" or "#rgb", upper or lower case; kUsage otherwise.
 [[nodiscard]] Result<Rgb> parse_color(std::string_view text);
-/// Default colour of the n-th structure, of a palette. Found by a search: of light colours, any two have a
-/// color_distance() of at least 0.112 for every sight.
 inline constexpr std::size_t kDefaultColors = 12;
+/// The n-th colour of a palette, again from the first after kDefaultColors. Found by a search: of light
+/// colours, any two have a color_distance() of at least 0.112 for every sight.
 [[nodiscard]] Rgb default_color(std::size_t n);
 /// The sRGB curve, IEC 61966-2-1: from linear light to code values and back, both from 0 to 1.
 [[nodiscard]] double encode_srgb(double linear);
