@@ -157,7 +157,7 @@ struct Renderer::Impl {
     const Elapsed of_walk = watch.lap();
     stats.select_ms += of_walk.wall_ms;
 
-    // Merge runs to spans, and light them
+    // Merge runs to spans
     const Lighting lighting(view.plane);
     const double select_ms = stats.select_ms;
     const std::uint64_t memory_for_spans =

@@ -14,7 +14,7 @@ namespace splatlas {
 [[nodiscard]] Result<Shear> shear_of(const ParallelView& view, const Grid& grid,
                                      const RenderOverrides& overrides);
 
-/// The spans of the volume, which must outlive the frame, must be lit.
+/// The volume must outlive the frame.
 class SheetFrame : public FrameRenderer {
  public:
   SheetFrame(const FrameScene& scene, const SheetVolume& volume, FrameBuffers& buffers, RenderStats& stats,

@@ -27,7 +27,7 @@ struct SpanSource {
   const Selection& selection;  ///< of the plan
   const std::shared_ptr<const Atlas>& atlas;
   const ClassCache& cache;
-  bool shade = true;  ///< list boundary voxels for hybrid shading
+  bool shade = true;  ///< list lights for hybrid shading
 };
 
 /// The volume of a frame by sheets: spans of the voxels, or of downsampled ones.
@@ -38,20 +38,15 @@ struct SheetVolume {
   VolumeDetail detail;
 };
 
-/// Spans of the current or an earlier selection, with the lighting of one view. Not thread-safe.
+/// Spans of the current or an earlier selection. Not thread-safe.
 class AxisSpans {
  public:
-  /// True if the spans are those of the current selection; with `shade`, also if boundary voxels are listed.
-  [[nodiscard]] bool current(bool shade) const { return runs_ && (lists_shaded_ || !shade); }
+  /// True if the spans are those of the current selection; with `shade`, also if lights are listed.
+  [[nodiscard]] bool current(bool shade) const { return runs_ && (has_lights_ || !shade); }
   /// Marks the spans as those of an earlier selection.
   void outdate() { runs_.reset(); }
-  /// Makes the spans current. `runs`: the selected ones. Those that are built are lit for `view` at once,
-  /// while a processor's cache holds them, unless it is null. Throws std::bad_alloc.
-  void require(const SpanSource& source, SelectedRuns runs, const ParallelView* view,
-               const Lighting& lighting, ThreadPool& pool);
-  /// Hybrid shading: lights boundary voxels for `view` if that has changed, but none that the cuts remove.
-  void update_lighting(const ParallelView& view, const Lighting& lighting, bool shade, const CutPlanes& cuts,
-                       const Grid& grid, ThreadPool& pool);
+  /// Makes the spans current. `runs`: the selected ones. Throws std::bad_alloc.
+  void require(const SpanSource& source, SelectedRuns runs, ThreadPool& pool);
 
   /// The selected runs, while the spans are current.
   [[nodiscard]] const SelectedRuns& runs() const { return *runs_; }
@@ -60,18 +55,15 @@ class AxisSpans {
  private:
   std::optional<SelectedRuns> runs_;
   SpanBuilder spans_;
-  bool lists_shaded_ = false;
-  std::optional<ParallelView> shaded_for_;  // nullopt if unshaded
-  CutPlanes shaded_cuts_;                   // voxels that these remove have other shading
-  bool partly_shaded_ = false;              // some slices have other shading
+  bool has_lights_ = false;
 };
 
 /// Cache of spans by axis. Keeps the spans of the latest axis after a change of selection, and reuses their
 /// unchanged parts. Not thread-safe.
 class SpanStore {
  public:
-  /// Prepares the volume of a frame: chooses its detail, builds spans unless they are current, and lights
-  /// them. Blocks take the place of means of spans that would take long. Spans that may take more than
+  /// Prepares the volume of a frame: chooses its detail, builds spans unless they are current.
+  /// Blocks take the place of means of spans that would take long. Spans that may take more than
   /// `max_bytes` are built strip by strip while the frame is drawn; all arguments must outlive it. Sets the
   /// traversal and counters of the statistics, and adds the time to build spans to `select_ms`. Valid until
   /// the next call. Throws std::bad_alloc.
@@ -97,7 +89,7 @@ class SpanStore {
   /// Frees spans that leave too little memory for those of an axis, of `bytes` along each.
   void make_room(Axis axis, std::uint64_t bytes, std::uint64_t max_bytes);
   /// Spans of the voxels for sheets in so many strips.
-  [[nodiscard]] SheetSpans in_strips(const SpanSource& source, SelectedRuns runs, const Lighting& lighting,
+  [[nodiscard]] SheetSpans in_strips(const SpanSource& source, SelectedRuns runs, std::vector<float> factors,
                                      std::uint64_t strips, ThreadPool& pool);
 
   std::array<std::optional<AxisSpans>, 3> spans_;

@@ -270,37 +270,36 @@ void Light(const float* below, const float* above, std::size_t count, const Grad
   }
 }
 
-void Emit(std::span<const LitBlock> blocks, const float* factors, int emissions, float* optics) {
+void Emit(const UnlitBlocks& blocks, const float* factors, float* lit) {
   const F d;
   const I di;
-  const Floats one = hn::Set(d, 1), all_lit = hn::Set(d, VoxelLight::kAllLit);
-  constexpr std::size_t kAhead = 8;
-  const auto emission_of = [&](const LitBlock& block) {
-    return optics + block.block * kBlock * (1 + emissions) + kBlock;
+  const Floats one = hn::Set(d, 1), per_share = hn::Set(d, 1.0f / VoxelLight::kAllLit);
+  const auto floats = static_cast<std::size_t>(kBlock) * static_cast<std::size_t>(1 + blocks.emissions);
+  std::uint32_t next = 0;
+  const auto copy_up_to = [&](std::uint32_t end) {
+    std::copy(blocks.optics + next * floats, blocks.optics + end * floats, lit + next * floats);
+    next = end;
   };
-  for (const LitBlock& block : blocks) {
-    float* const emission = emission_of(block);
-    if (&block + kAhead < blocks.data() + blocks.size()) {
-      for (const std::size_t line : {64, 128})
-        hwy::Prefetch(reinterpret_cast<const char*>(&block + 2 * kAhead) + line);
-      const float* const next = emission_of(*(&block + kAhead));
-      for (int c = 0; c < emissions; ++c) hwy::Prefetch(next + c * kBlock);
-    }
+  for (const BlockLights& of_block : blocks.lights) {
+    copy_up_to(of_block.block - blocks.first);
+    const float* const from = blocks.optics + next * floats;
+    float* const to = lit + next * floats;
+    constexpr std::size_t kAhead = 8;
+    for (std::size_t line = 0; line < floats; line += 16) hwy::Prefetch(from + kAhead * floats + line);
+    hwy::Prefetch(&of_block + kAhead);
     for (std::size_t n = 0; n < kBlock; n += hn::Lanes(d)) {
-      const Ints light = hn::LoadU(di, reinterpret_cast<const std::int32_t*>(block.lights.data() + n));
-      const Ints lit = hn::BitCast(di, hn::ShiftRight<16>(hn::BitCast(hn::RebindToUnsigned<I>(), light)));
+      const Ints light = hn::LoadU(di, reinterpret_cast<const std::int32_t*>(of_block.lights.data() + n));
+      const Ints share = hn::BitCast(di, hn::ShiftRight<16>(hn::BitCast(hn::RebindToUnsigned<I>(), light)));
       const Floats factor = hn::GatherIndex(d, factors, hn::And(light, hn::Set(di, 0xffff)));
-      const Floats share = hn::Div(hn::ConvertTo(d, lit), all_lit);
-      const Floats of_white = hn::Add(one, hn::Mul(share, hn::Sub(factor, one)));
-      const Floats white = hn::Mul(hn::LoadU(d, block.whites.data() + n), of_white);
-      const auto is_lit = hn::RebindMask(d, hn::Gt(lit, hn::Zero(di)));
-      for (int c = 0; c < emissions; ++c) {
-        float* const to = emission + c * kBlock + n;
-        const Floats colored = hn::Mul(white, hn::Set(d, block.color[static_cast<std::size_t>(c)]));
-        hn::StoreU(hn::IfThenElse(is_lit, colored, hn::LoadU(d, to)), d, to);
-      }
+      const Floats of_unlit =
+          hn::Add(one, hn::Mul(hn::Mul(hn::ConvertTo(d, share), per_share), hn::Sub(factor, one)));
+      hn::Store(hn::Load(d, from + n), d, to + n);
+      for (std::size_t at = kBlock + n; at < floats; at += kBlock)
+        hn::Store(hn::Mul(hn::Load(d, from + at), of_unlit), d, to + at);
     }
+    ++next;
   }
+  copy_up_to(blocks.count);
 }
 
 }  // namespace splatlas::HWY_NAMESPACE

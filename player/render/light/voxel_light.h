@@ -55,6 +55,14 @@ struct LightRow {
   std::uint16_t* lit;
 };
 
+/// Consecutive blocks of spans.
+struct UnlitBlocks {
+  std::uint32_t first = 0, count = 0;   ///< numbers in their slice
+  int emissions = 3;                    ///< 1 or 3
+  const float* optics = nullptr;        ///< of the first one; aligned to cache lines
+  std::span<const BlockLights> lights;  ///< of some of them, by ascending block
+};
+
 struct LightKernels {
   /// The weighted means of the differences of pairs of voxels of the structure in the 3x3x3 voxels around
   /// each one. `sums`: three axes, of `count` + 2 positions; overwritten.
@@ -67,9 +75,8 @@ struct LightKernels {
   /// as both have one direction. Others are lit where the extinctions around the grey value differ.
   void (*light)(const float* below, const float* above, std::size_t count, const GradientRow& gradients,
                 const LightRow& voxels);
-  /// Sets the emissions of lit voxels: LitBlock::lit_white() times the colour. `optics`: of blocks, with 1 or
-  /// 3 emissions.
-  void (*emit)(std::span<const LitBlock> blocks, const float* factors, int emissions, float* optics);
+  /// Copies blocks to `lit`. Multiplies the lit part of emissions by `factors`: 65536, by packed normal.
+  void (*emit)(const UnlitBlocks& blocks, const float* factors, float* lit);
 };
 
 /// For the best instruction set of the machine, with equal bits on all.

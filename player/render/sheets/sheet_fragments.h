@@ -59,6 +59,9 @@ class BandImage {
   [[nodiscard]] const float* row(std::int64_t fine_row, std::int64_t phase) const {
     return floats_.data() + (fine_row - first_) * row_stride() + phase * phase_stride() + ImageRows::kMargin;
   }
+  [[nodiscard]] const OpaquePixels& opaque(std::int64_t fine_row, std::int64_t phase) const {
+    return opaque_[static_cast<std::size_t>((fine_row - first_) * scale_ + phase)];
+  }
   /// Kernel access from a fine row and a phase on. Pairs of voxel rows are `scale` fine rows apart.
   [[nodiscard]] ImageRows rows(std::int64_t fine_row, std::int64_t phase) {
     float* pixels =

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "format/tasks/task_control.h"
+#include "player/render/sheets/lit_slices.h"
 #include "player/render/sheets/splat/block_runs.h"
 
 namespace splatlas {
@@ -20,6 +21,7 @@ struct SheetPass {
   const SplatKernels& kernels;
   float termination_threshold;
   const Slabs& slabs;
+  std::span<const float> factors;  // of SheetSpans
 };
 
 /// Rendering of the rows of `image` through all slices, front to back. `Clip`: NoClip or BandClip.
@@ -34,7 +36,8 @@ class Band {
         group_(static_cast<std::int64_t>(SheetRows::group_size(pass.window.scale))),
         image_(image),
         surfaces_(surfaces),
-        clip_(clip) {}
+        clip_(clip),
+        slices_(pass.shear, pass.window, pass.factors, image) {}
 
   void render() {
     std::int64_t next = -1;  // first interval that is not rendered yet
@@ -45,7 +48,7 @@ class Band {
       check_task();
       if (pass_.window.parts == 1) {  // slabs around slices
         const auto k = static_cast<double>(slice.number);
-        if (!removes(k)) render_slab({slice, k, {pass_.shear, pass_.window, k}});
+        if (!removes(k)) render_slab({*slices_.rows(slice, 0, 0).slice, k, {pass_.shear, pass_.window, k}});
         continue;
       }
       const std::int64_t n = from_viewer(slice.number - pass_.model.slice_first);
@@ -78,7 +81,12 @@ class Band {
   /// Renders the interpolated slabs between slice n and the next one.
   void render_between(std::int64_t n) {
     static thread_local SliceSpans mixed;
-    SlicePair pair{slice(n), slice(n + 1), 0};
+    const auto shown = [&](std::int64_t number) -> const ShownRows* {
+      const SliceSpans* const of_number = slice(number);
+      if (of_number == nullptr) return nullptr;
+      return &slices_.rows(*of_number, 1 - 0.5 / pass_.window.parts, static_cast<std::size_t>(number & 1));
+    };
+    SlicePair pair{shown(n), shown(n + 1), 0};
     if (pair.before == nullptr && pair.behind == nullptr) return;
     for (int part = 0; part < pass_.window.parts; ++part) {
       const double middle = (part + 0.5) / pass_.window.parts;
@@ -86,11 +94,10 @@ class Band {
           static_cast<double>(pass_.model.slice_first) + from_viewer(static_cast<double>(n) + middle);
       pair.behind_weight = static_cast<float>(middle);
       if (removes(k)) continue;
-      const SliceRows rows(pass_.shear, pass_.window, k);
-      const std::int64_t first = rows.upper_from(scale_ - 1, image_.first_fine_row());
-      const std::int64_t last = rows.upper_from(0, image_.last_fine_row()) + 1;
-      mix_slices(pair, first, last, clip_.visible(k, first, last), pass_.kernels, mixed);
-      if (!mixed.spans.empty()) render_slab({mixed, k, rows});
+      const SliceRows slab(pass_.shear, pass_.window, k);
+      const RowRange rows = rows_of_band(slab, scale_, image_);
+      mix_slices(pair, rows, clip_.visible(k, rows.first, rows.last), pass_.kernels, mixed);
+      if (!mixed.spans.empty()) render_slab({mixed, k, slab});
     }
   }
 
@@ -173,6 +180,7 @@ class Band {
   Surfaces& surfaces_;
   Clip clip_;
   std::vector<Phase> phases_;  // of the current slab
+  LitSlices slices_;
 };
 
 /// Clip policy of a band without a cut; members as in BandClip.
@@ -353,14 +361,14 @@ std::uint64_t render_bands(const SheetPass& pass, const SheetSpans& spans, const
     store(image, last, sheet);
   };
   std::uint64_t voxels = 0;
-  spans.for_each_strip(pass.shear, window.v0,
-                       static_cast<std::size_t>((window.rows + band_rows - 1) / band_rows), band_rows,
-                       [&](const SpanModel& model, std::size_t first, std::size_t last) {
-                         const SheetPass strip{
-                             model, pass.shear, window, pass.kernels, pass.termination_threshold, pass.slabs};
-                         pool.for_each(last - first, [&](std::size_t n) { render_band(strip, first + n); });
-                         voxels += count_voxels(strip, clip, fine_row(first), fine_row(last));
-                       });
+  spans.for_each_strip(
+      pass.shear, window.v0, static_cast<std::size_t>((window.rows + band_rows - 1) / band_rows), band_rows,
+      [&](const SpanModel& model, std::size_t first, std::size_t last) {
+        SheetPass strip{model,      pass.shear,     window, pass.kernels, pass.termination_threshold,
+                        pass.slabs, spans.factors()};
+        pool.for_each(last - first, [&](std::size_t n) { render_band(strip, first + n); });
+        voxels += count_voxels(strip, clip, fine_row(first), fine_row(last));
+      });
   return voxels;
 }
 
@@ -370,7 +378,7 @@ std::uint64_t render_sheets(const SheetSpans& spans, const Shear& shear, const S
                             const SplatKernels& kernels, float termination_threshold,
                             std::span<const VoxelPlane> planes, const Slabs& slabs,
                             const SheetSurfaces& surfaces, SheetImage& image, ThreadPool& pool) {
-  const SheetPass pass{spans.frame(), shear, window, kernels, termination_threshold, slabs};
+  const SheetPass pass{spans.frame(), shear, window, kernels, termination_threshold, slabs, {}};
   begin_sheet(pass, image);
   if (planes.empty()) return render_bands(pass, spans, NoClip(), surfaces, image, pool);
   const ClipSlabs clip(planes, shear, window, ImageRows::kMargin);

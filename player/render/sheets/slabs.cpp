@@ -65,8 +65,10 @@ namespace {
 /// Cursor over the blocks of a slice's row.
 class RowCursor {
  public:
-  RowCursor(const SliceSpans* slice, std::int64_t row) : slice_(slice) {
-    if (slice != nullptr) spans_ = slice->row(row);
+  RowCursor(const ShownRows* shown, std::int64_t row) {
+    if (shown == nullptr) return;
+    slice_ = shown->slice;
+    spans_ = slice_->row(row);
   }
 
   /// The first existing block at or after `block`; kNone at the end.
@@ -85,7 +87,7 @@ class RowCursor {
  private:
   [[nodiscard]] std::uint32_t end() const { return spans_.front().first_block + spans_.front().blocks; }
 
-  const SliceSpans* slice_;
+  const SliceSpans* slice_ = nullptr;
   std::span<const Span> spans_;
 };
 
@@ -100,11 +102,18 @@ void open_blocks(std::uint32_t first, std::uint32_t count, std::size_t first_of_
   spans.push_back({first, count, 0, static_cast<std::uint32_t>(blocks)});
 }
 
+/// Blocks without content.
+Blocks hidden_of(const ShownRows* shown, std::int64_t row) {
+  return shown == nullptr || shown->hidden.empty()
+             ? Blocks{}
+             : shown->hidden[static_cast<std::size_t>(row - shown->rows.first)];
+}
+
 void mix_row(const SlicePair& pair, std::int64_t row, const Blocks& visible, const SplatKernels& kernels,
              SliceSpans& mixed) {
   RowCursor before(pair.before, row), behind(pair.behind, row);
   const auto block_floats = static_cast<std::size_t>(mixed.block_floats());
-  const std::size_t first_of_row = mixed.spans.size();
+  const std::size_t first_of_row = mixed.first_span.back();
   const auto end = static_cast<std::uint32_t>(std::clamp<std::int64_t>(visible.last, 0, RowCursor::kNone));
   for (auto block = static_cast<std::uint32_t>(std::max<std::int64_t>(visible.first, 0));;) {
     const std::uint32_t next_before = before.next_from(block), next_behind = behind.next_from(block);
@@ -130,25 +139,28 @@ void mix_row(const SlicePair& pair, std::int64_t row, const Blocks& visible, con
 
 }  // namespace
 
-void mix_slices(const SlicePair& pair, std::int64_t first, std::int64_t last, std::span<const Blocks> visible,
+void mix_slices(const SlicePair& pair, const RowRange& rows, std::span<const Blocks> visible,
                 const SplatKernels& kernels, SliceSpans& mixed) {
-  std::int64_t first_row = std::numeric_limits<std::int64_t>::max(), last_row = first;
-  for (const SliceSpans* slice : {pair.before, pair.behind}) {
-    if (slice == nullptr || slice->spans.empty()) continue;
-    mixed.emissions = slice->emissions;
-    first_row = std::min(first_row, slice->first_row);
-    last_row = std::max(last_row, slice->last_row);
+  RowRange all;
+  for (const ShownRows* shown : {pair.before, pair.behind}) {
+    if (shown == nullptr || shown->slice->spans.empty()) continue;
+    mixed.emissions = shown->slice->emissions;
+    all.include({shown->slice->first_row, shown->slice->last_row});
   }
-  mixed.first_row = std::max(first, first_row);
-  mixed.last_row = std::max(mixed.first_row, std::min(last, last_row));
+  mixed.first_row = std::max(rows.first, all.first);
+  mixed.last_row = std::max(mixed.first_row, std::min(rows.last, all.last));
   mixed.first_span.clear();
   mixed.spans.clear();
   mixed.optics.clear();
   for (std::int64_t row = mixed.first_row; row < mixed.last_row; ++row) {
     mixed.first_span.push_back(static_cast<std::uint32_t>(mixed.spans.size()));
-    const Blocks all{0, RowCursor::kNone};
-    mix_row(pair, row, visible.empty() ? all : visible[static_cast<std::size_t>(row - first)], kernels,
-            mixed);
+    const Blocks seen =
+        visible.empty() ? Blocks{0, RowCursor::kNone} : visible[static_cast<std::size_t>(row - rows.first)];
+    for (const Blocks& outside : parts_outside(seen, hidden_of(pair.before, row))) {
+      for (const Blocks& part : parts_outside(outside, hidden_of(pair.behind, row))) {
+        if (part.first < part.last) mix_row(pair, row, part, kernels, mixed);
+      }
+    }
   }
   mixed.first_span.push_back(static_cast<std::uint32_t>(mixed.spans.size()));
 }

@@ -49,17 +49,24 @@ class Slabs {
 /// The same from the accumulated opacities in front of the slab and behind it.
 [[nodiscard]] float share_in_slab(float before, float behind, float part);
 
+/// Rows of a slice for a part of a sheet.
+struct ShownRows {
+  const SliceSpans* slice = nullptr;
+  RowRange rows{};               ///< those of `hidden`
+  std::vector<Blocks> hidden{};  ///< [row]: blocks without content; they are not seen
+};
+
 /// Two neighbouring slices and a position between them. Either is null at the ends of the volume.
 struct SlicePair {
-  const SliceSpans* before = nullptr;
-  const SliceSpans* behind = nullptr;
+  const ShownRows* before = nullptr;
+  const ShownRows* behind = nullptr;
   float behind_weight = 0;  ///< 0 at the slice before, 1 at the slice behind
 };
 
-/// Interpolates rows [first, last) of the grid; of each, only the blocks that `visible` names, unless it is
-/// empty. `mixed` is overwritten and keeps its capacity. Its spans are
-/// the union of both slices' spans, without voxel counts and shaded voxels. Linear in the blocks.
-void mix_slices(const SlicePair& pair, std::int64_t first, std::int64_t last, std::span<const Blocks> visible,
+/// Interpolates rows of the grid; of each, only the blocks that `visible` names, unless it is empty. `mixed`
+/// is overwritten and keeps its capacity. Its spans are the union of both slices' spans, without hidden
+/// blocks, voxel counts and lights. Linear in the blocks.
+void mix_slices(const SlicePair& pair, const RowRange& rows, std::span<const Blocks> visible,
                 const SplatKernels& kernels, SliceSpans& mixed);
 
 }  // namespace splatlas

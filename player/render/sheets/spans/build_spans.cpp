@@ -237,13 +237,11 @@ void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
       SliceSpans& slice = model_.slices[to_build[n]];
       const RowRange& rows = changed[to_build[n]];
       std::swap(slice, before);
-      const LitBlocks& similar = n == first ? before.lit : model_.slices[to_build[n - 1]].lit;
+      const auto& similar = n == first ? before.lights : model_.slices[to_build[n - 1]].lights;
       slice.number = before.number;
-      slice.is_lit = false;
       slice.optics = arena_.lend(before.optics.size() + max_floats(request, slice.number, rows));
-      slice.lit.reserve(similar.size() * 9 / 8);
+      slice.lights.reserve(similar.size() * 9 / 8);
       write_slice(request, rows, before, slice);
-      if (!request.factors.empty()) light_slice(slice, request.factors);
       before.optics = {};
       arena_.settle(slice.optics);
     }
@@ -252,7 +250,7 @@ void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
   // Update counters and free unused memory
   for (const SliceSpans& slice : model_.slices) {
     model_.voxels += slice.voxels;
-    model_.lit_blocks += slice.lit.size();
+    model_.lit_blocks += slice.lights.size();
   }
   arena_.trim(std::max(arena_.bytes_in_use(), kMaxUnusedBytes));
 }

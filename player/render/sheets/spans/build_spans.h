@@ -19,17 +19,6 @@
 
 namespace splatlas {
 
-/// Rows [first, last) of a slice; none at first.
-struct RowRange {
-  std::int64_t first = std::numeric_limits<std::int64_t>::max(), last = 0;
-
-  [[nodiscard]] bool empty() const { return first >= last; }
-  void include(const RowRange& other) {
-    first = std::min(first, other.first);
-    last = std::max(last, other.last);
-  }
-};
-
 /// Rows of a sheet, in voxels: v in [first, last].
 struct SheetStrip {
   const Shear& shear;
@@ -42,17 +31,19 @@ struct SheetStrip {
 /// The spans of a frame: all at once or, if memory does not hold them, for one strip of the sheet at a time.
 class SheetSpans {
  public:
-  /// Builds the spans of a strip, lit. Valid until the next call.
+  /// Builds the spans of a strip. Valid until the next call.
   using Build = std::function<const SpanModel&(const SheetStrip& strip)>;
 
-  /// All spans. The model must outlive it.
-  explicit SheetSpans(const SpanModel& all) : frame_(all) {}
+  /// All spans. The model must outlive it. `factors`: light by packed normal, 65536; empty: unlit.
+  explicit SheetSpans(const SpanModel& all, std::vector<float> factors = {})
+      : frame_(all), factors_(std::move(factors)) {}
   /// `frame`: a model without slices. `strips`: at least 1.
-  SheetSpans(const SpanModel& frame, std::size_t strips, Build build)
-      : frame_(frame), strips_(strips), build_(std::move(build)) {}
+  SheetSpans(const SpanModel& frame, std::vector<float> factors, std::size_t strips, Build build)
+      : frame_(frame), factors_(std::move(factors)), strips_(strips), build_(std::move(build)) {}
 
   /// Box, appearances and number of voxels of all spans. Its slices may be missing.
   [[nodiscard]] const SpanModel& frame() const { return frame_; }
+  [[nodiscard]] std::span<const float> factors() const { return factors_; }
 
   /// Calls body(model, first, last) for the strips of a sheet: parts [first, last) of `parts` parts of
   /// `part_rows` rows, from v = v0 on.
@@ -69,6 +60,7 @@ class SheetSpans {
 
  private:
   const SpanModel& frame_;
+  std::vector<float> factors_;
   std::size_t strips_ = 1;
   Build build_;
 };
@@ -85,10 +77,8 @@ struct SpanRequest {
   const ClassTable& classes;
   const Grid& grid;
   const ClassCache& cache;
-  bool shade = true;                               ///< list lit voxels for light_spans()
+  bool shade = true;                               ///< list the lights of voxels
   std::optional<SheetStrip> strip = std::nullopt;  ///< of the voxels; none: all
-  /// Lights the slices that are built, as light_spans() does; empty: none.
-  std::span<const float> factors = {};
 };
 
 /// A model without slices: the box and the appearances of a request.
@@ -98,11 +88,11 @@ struct SpanRequest {
 class SpanBuilder {
  public:
   /// Looks up the optical properties of every selected voxel (pre-classification) and packs them into spans.
-  /// Voxels without extinction are omitted. Slices whose classes keep their appearance remain unchanged, with
-  /// their shading. Others are lit if the request says so; they keep the rows before and behind those that
-  /// change. All requests must share one atlas, axis and VolumeAppearances, and have no strip; one with a
-  /// strip needs a new builder. Cost: linear in the selected voxels and decoded runs of the changed rows, and
-  /// a copy of the others of their slices. Slices are built in parallel. Throws std::bad_alloc.
+  /// Voxels without extinction are omitted. Slices whose classes keep their appearance remain unchanged.
+  /// Others keep the rows before and behind those that change. All requests must share one atlas, axis and
+  /// VolumeAppearances, and have no strip; one with a strip needs a new builder. Cost: linear in the selected
+  /// voxels and decoded runs of the changed rows, and a copy of the others of their slices. Slices are built
+  /// in parallel. Throws std::bad_alloc.
   void build(const SpanRequest& request, ThreadPool& pool);
 
   [[nodiscard]] const SpanModel& model() const { return model_; }

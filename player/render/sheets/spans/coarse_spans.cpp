@@ -35,10 +35,10 @@ class SliceAverager {
     for (std::int64_t of = slice << level_; of < (slice + 1) << level_; ++of) {
       const SliceSpans* const voxels = fine_.slice(of);
       if (voxels == nullptr) continue;
-      LitCursor lit(voxels->lit);
+      auto lights = voxels->lights.begin();
       for (std::int64_t row = voxels->first_row; row < voxels->last_row; ++row) {
         for (const Span& span : voxels->row(row)) {
-          add(*voxels, row, span, lit);
+          add(*voxels, row, span, lights);
           blocks += (std::size_t{span.blocks} >> level_) + 3;
         }
       }
@@ -60,24 +60,24 @@ class SliceAverager {
     std::size_t first = 0, last = 0;
   };
 
-  /// Adds the voxels of a span. `lit`: of the slice.
-  void add(const SliceSpans& slice, std::int64_t row_of_grid, const Span& span, LitCursor& lit) {
+  /// Adds the voxels of a span. `lights`: the first of the slice that may be the span's.
+  void add(const SliceSpans& slice, std::int64_t row_of_grid, const Span& span,
+           std::vector<BlockLights>::const_iterator& lights) {
     const auto row = static_cast<std::size_t>((row_of_grid >> level_) - model_.row_first);
     const std::uint32_t first = span.first_block << kBlockBits;
     for (std::uint32_t voxel = first; voxel < first + (span.blocks << kBlockBits); ++voxel) {
       const std::uint32_t lane = SliceSpans::lane_of(span, voxel);
+      while (lights != slice.lights.end() && lights->block < lane >> kBlockBits) ++lights;
       const float* const optics = slice.optics.data() + slice.place(lane);
       if (optics[0] <= 0) continue;
       const std::size_t at = index(voxel);
       VoxelSums& sums = sums_[row * width_ + at];
       rows_[row] = {std::min(rows_[row].first, at), std::max(rows_[row].last, at + 1)};
-      const LitBlock* const lit_block = lit.find(lane);
       std::array<float, 3> emission{};
       for (std::size_t c = 0; c < static_cast<std::size_t>(slice.emissions); ++c)
-        emission[c] = lit_block != nullptr ? lit_block->whites[lane % kBlock] * lit_block->color[c]
-                                           : optics[(c + 1) * kBlock];
-      const bool is_lit = shade_ && lit_block != nullptr;
-      sums.add(optics[0], emission, is_lit ? lit_block->lights[lane % kBlock] : VoxelLight{}, unpacked_);
+        emission[c] = optics[(c + 1) * kBlock];
+      const bool has_light = shade_ && lights != slice.lights.end() && lights->block == lane >> kBlockBits;
+      sums.add(optics[0], emission, has_light ? lights->lights[lane % kBlock] : VoxelLight{}, unpacked_);
     }
   }
   [[nodiscard]] std::size_t index(std::uint32_t voxel) const {
@@ -123,16 +123,6 @@ class SliceAverager {
   std::vector<VoxelLight> lights_;  // of a row
 };
 
-/// Lights spans for a view, unless they are. `lit_for`: the view that they are lit for.
-void light_again(SpanModel& spans, std::optional<ParallelView>& lit_for, const ParallelView& view,
-                 const Lighting& lighting, ThreadPool& pool) {
-  if (lit_for && have_same_lighting(*lit_for, view)) return;
-  lit_for.reset();  // in case the task is cancelled
-  forget_light(spans);
-  if (spans.lit_blocks > 0) light_spans(spans, lighting.table(), pool);
-  lit_for = view;
-}
-
 }  // namespace
 
 CoarseSpans::CoarseSpans(const SpanModel& fine, bool shade, int level, ThreadPool& pool)
@@ -171,12 +161,8 @@ CoarseSpans::CoarseSpans(const SpanModel& fine, bool shade, int level, ThreadPoo
   });
   for (const SliceSpans& slice : model_.slices) {
     model_.voxels += slice.voxels;
-    model_.lit_blocks += slice.lit.size();
+    model_.lit_blocks += slice.lights.size();
   }
-}
-
-void CoarseSpans::light(const ParallelView& view, const Lighting& lighting, ThreadPool& pool) {
-  light_again(model_, lit_for_, view, lighting, pool);
 }
 
 BlockSpans::BlockSpans(std::unique_ptr<BlockVolume> volume, const Selection& selection, const Atlas& atlas)
@@ -184,23 +170,18 @@ BlockSpans::BlockSpans(std::unique_ptr<BlockVolume> volume, const Selection& sel
   appearances_.select(volume_->plan(), selection);
 }
 
-void BlockSpans::prepare(Axis axis, bool shade, const ParallelView& view, const Lighting& lighting,
-                         ThreadPool& pool) {
-  if (!spans_ || model().axis != axis || shaded_ != shade) {
-    spans_.reset();
-    volume_->require(axis, pool);
-    if (shade)
-      light_voxels(volume_->plan(), appearances_, volume_->classes(), grid(), volume_->cache(), pool);
-    const SelectedRuns runs(volume_->plan(), volume_->classes(), volume_->cache(), axis);
-    SpanBuilder spans;
-    spans.build({runs, volume_->plan(), appearances_, volume_->classes(), grid(), volume_->cache(), shade},
-                pool);
-    scale_by_shares(spans.model(), pool);
-    spans_ = std::move(spans);
-    shaded_ = shade;
-    lit_for_.reset();
-  }
-  if (shade) light_again(spans_->model(), lit_for_, view, lighting, pool);
+void BlockSpans::prepare(Axis axis, bool shade, ThreadPool& pool) {
+  if (spans_ && model().axis == axis && shaded_ == shade) return;
+  spans_.reset();
+  volume_->require(axis, pool);
+  if (shade) light_voxels(volume_->plan(), appearances_, volume_->classes(), grid(), volume_->cache(), pool);
+  const SelectedRuns runs(volume_->plan(), volume_->classes(), volume_->cache(), axis);
+  SpanBuilder spans;
+  spans.build({runs, volume_->plan(), appearances_, volume_->classes(), grid(), volume_->cache(), shade},
+              pool);
+  scale_by_shares(spans.model(), pool);
+  spans_ = std::move(spans);
+  shaded_ = shade;
 }
 
 void BlockSpans::scale_by_shares(SpanModel& spans, ThreadPool& pool) const {
@@ -227,10 +208,6 @@ void BlockSpans::scale_by_shares(SpanModel& spans, ThreadPool& pool) const {
     for (std::size_t lane = 0; lane < shares.size(); ++lane) {
       float* const optics = slice.optics.data() + lane / kBlock * block_floats + lane % kBlock;
       for (std::size_t c = 0; c <= emissions; ++c) optics[c * kBlock] *= shares[lane];
-    }
-    for (LitBlock& block : slice.lit) {
-      for (std::size_t lane = 0; lane < kBlock; ++lane)
-        block.whites[lane] *= shares[std::size_t{block.block} * kBlock + lane];
     }
   });
 }

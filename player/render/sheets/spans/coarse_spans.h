@@ -7,11 +7,9 @@
 #include "format/content/grid.h"
 #include "format/content/selection.h"
 #include "format/tasks/thread_pool.h"
-#include "player/camera.h"
 #include "player/render/decode/block_volume.h"
 #include "player/render/sheets/spans/build_spans.h"
 #include "player/render/sheets/spans/span_model.h"
-#include "player/render/transfer/shading.h"
 
 namespace splatlas {
 
@@ -19,15 +17,12 @@ namespace splatlas {
 /// of their normals, weighted by emission. Not thread-safe.
 class CoarseSpans {
  public:
-  /// Builds the spans, unshaded, in parallel, from those of the voxels. `shade`: list lit blocks, of a model
-  /// that lists lit voxels. Cost: about 10 ns per voxel, and linear in the blocks of their box. Throws
+  /// Builds the spans, in parallel, from those of the voxels. `shade`: list lights, of a model that lists
+  /// those of voxels. Cost: about 10 ns per voxel, and linear in the blocks of their box. Throws
   /// std::bad_alloc.
   CoarseSpans(const SpanModel& fine, bool shade, int level, ThreadPool& pool);
 
-  /// Hybrid shading: applies the lighting of `view` to boundary voxels if it has changed.
-  void light(const ParallelView& view, const Lighting& lighting, ThreadPool& pool);
-
-  /// True for spans along `axis` of this level; `shade`: those that list lit blocks.
+  /// True for spans along `axis` of this level; `shade`: those that list lights.
   [[nodiscard]] bool fit(Axis axis, int level, bool shade) const {
     return model_.axis == axis && level_ == level && shaded_ == shade;
   }
@@ -38,7 +33,6 @@ class CoarseSpans {
   bool shaded_;
   OpticalArena arena_;  // of the model
   SpanModel model_;
-  std::optional<ParallelView> lit_for_;
 };
 
 /// Spans of a BlockVolume: its optical properties, times the share of each block that the selection fills.
@@ -48,9 +42,8 @@ class BlockSpans {
   /// `selection` is that of the volume's plan.
   BlockSpans(std::unique_ptr<BlockVolume> volume, const Selection& selection, const Atlas& atlas);
 
-  /// Builds the spans along an axis unless they exist, and applies the lighting of `view`; `shade`: hybrid
-  /// shading. Throws std::bad_alloc.
-  void prepare(Axis axis, bool shade, const ParallelView& view, const Lighting& lighting, ThreadPool& pool);
+  /// Builds the spans along an axis unless they exist. `shade`: list lights. Throws std::bad_alloc.
+  void prepare(Axis axis, bool shade, ThreadPool& pool);
 
   [[nodiscard]] const SpanModel& model() const { return spans_->model(); }
   [[nodiscard]] const Grid& grid() const { return volume_->grid(); }
@@ -62,7 +55,6 @@ class BlockSpans {
   VolumeAppearances appearances_;
   std::optional<SpanBuilder> spans_;
   bool shaded_ = false;
-  std::optional<ParallelView> lit_for_;
 };
 
 }  // namespace splatlas

@@ -107,15 +107,54 @@ void OpticalArena::trim(std::uint64_t bytes) {
   });
 }
 
-void light_slice(SliceSpans& slice, std::span<const float> factors) {
-  light_kernels().emit(slice.lit, factors.data(), slice.emissions, slice.optics.data());
-  slice.is_lit = true;
-}
+void light_rows(const SliceSpans& slice, const RowRange& rows, std::span<const Blocks> hidden,
+                std::span<const float> factors, SliceSpans& lit) {
+  lit.number = slice.number;
+  lit.emissions = slice.emissions;
+  lit.first_row = std::max(rows.first, slice.first_row);
+  lit.last_row = std::max(lit.first_row, std::min(rows.last, slice.last_row));
+  lit.first_span.clear();
+  lit.spans.clear();
+  lit.optics.clear();
+  if (lit.first_row == lit.last_row) return;
 
-void light_spans(SpanModel& model, std::span<const float> factors, ThreadPool& pool) {
-  pool.for_each(model.slices.size(), [&](std::size_t n) {
-    if (!model.slices[n].is_lit) light_slice(model.slices[n], factors);
-  });
+  // Copy the spans. They, and thus their blocks, follow each other
+  const std::uint32_t* const first_span =
+      &slice.first_span[static_cast<std::size_t>(lit.first_row - slice.first_row)];
+  const std::uint32_t* const last_span = first_span + (lit.last_row - lit.first_row);
+  for (const std::uint32_t* span = first_span; span <= last_span; ++span)
+    lit.first_span.push_back(*span - *first_span);
+  lit.spans.assign(slice.spans.begin() + *first_span, slice.spans.begin() + *last_span);
+  if (lit.spans.empty()) return;
+  const std::uint32_t begin = lit.spans.front().offset,
+                      end = lit.spans.back().offset + lit.spans.back().blocks;
+  for (Span& span : lit.spans) span.offset -= begin;
+
+  // Light the blocks
+  const auto floats = static_cast<std::size_t>(slice.block_floats());
+  const float* const from = slice.optics.data();
+  float* const to = lit.optics.append((end - begin) * floats);
+  const LightKernels kernels = light_kernels();
+  auto lights = std::ranges::lower_bound(slice.lights, begin, {}, &BlockLights::block);
+  const auto light = [&](std::uint32_t first, std::uint32_t last) {
+    while (lights != slice.lights.end() && lights->block < first) ++lights;
+    const auto first_light = lights;
+    while (lights != slice.lights.end() && lights->block < last) ++lights;
+    kernels.emit({first, last - first, slice.emissions, from + first * floats, {first_light, lights}},
+                 factors.data(), to + (first - begin) * floats);
+  };
+  if (hidden.empty()) return light(begin, end);
+  for (std::int64_t row = lit.first_row; row < lit.last_row; ++row) {
+    for (const Span& span : slice.row(row)) {
+      const auto number = [&](std::int64_t block) {
+        return span.offset + static_cast<std::uint32_t>(block - span.first_block);
+      };
+      const Blocks all{span.first_block, std::int64_t{span.first_block} + span.blocks};
+      for (const Blocks& part : parts_outside(all, hidden[static_cast<std::size_t>(row - rows.first)])) {
+        if (part.first < part.last) light(number(part.first), number(part.last));
+      }
+    }
+  }
 }
 
 }  // namespace splatlas

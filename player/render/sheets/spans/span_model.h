@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -16,6 +17,31 @@
 #include "player/render/decode/lit_voxels.h"
 
 namespace splatlas {
+
+/// Blocks [first, last) of a scanline.
+struct Blocks {
+  std::int64_t first = 0, last = 0;
+
+  [[nodiscard]] bool contains(std::int64_t block) const { return first <= block && block < last; }
+};
+
+/// The parts of blocks before and behind others; either may be empty.
+[[nodiscard]] inline std::array<Blocks, 2> parts_outside(const Blocks& all, const Blocks& hole) {
+  if (hole.first >= hole.last) return {all, {all.last, all.last}};
+  return {Blocks{all.first, std::clamp(hole.first, all.first, all.last)},
+          Blocks{std::clamp(hole.last, all.first, all.last), all.last}};
+}
+
+/// Rows [first, last) of a slice; none at first.
+struct RowRange {
+  std::int64_t first = std::numeric_limits<std::int64_t>::max(), last = 0;
+
+  [[nodiscard]] bool empty() const { return first >= last; }
+  void include(const RowRange& other) {
+    first = std::min(first, other.first);
+    last = std::max(last, other.last);
+  }
+};
 
 /// Growable array of floats, aligned to cache lines. clear() keeps its capacity.
 class OpticalBuffer {
@@ -89,10 +115,9 @@ struct SliceSpans {
   std::int64_t first_row = 0, last_row = 0;  ///< spans are in rows [first_row, last_row) of the grid
   std::vector<std::uint32_t> first_span;     ///< last_row - first_row + 1 offsets; empty without spans
   std::vector<Span> spans;                   ///< by row, then position
-  OpticalBuffer optics;                      ///< of all blocks
-  LitBlocks lit;                             ///< of lanes
+  OpticalBuffer optics;                      ///< of all blocks, unlit
+  std::vector<BlockLights> lights;           ///< of blocks with lit voxels, ascending
   std::uint64_t voxels = 0;                  ///< selected voxels with an extinction above 0
-  bool is_lit = false;                       ///< the emissions are those of the latest light
 
   /// The spans of a row of the grid.
   [[nodiscard]] std::span<const Span> row(std::int64_t n) const {
@@ -143,14 +168,10 @@ struct SpanModel {
   }
 };
 
-/// Before a change of light.
-inline void forget_light(SpanModel& model) {
-  for (SliceSpans& slice : model.slices) slice.is_lit = false;
-}
-
-/// Multiplies the lit part of unlit emissions by `factors[normal]`, 65536.
-void light_slice(SliceSpans& slice, std::span<const float> factors);
-/// The same for the slices that are not lit.
-void light_spans(SpanModel& model, std::span<const float> factors, ThreadPool& pool);
+/// Copies rows of the grid, without the content of blocks that `hidden` names, unless it is empty. Multiplies
+/// the lit part of emissions by `factors[normal]`, 65536. `lit` is overwritten and keeps its capacity; it has
+/// neither lights nor a voxel count.
+void light_rows(const SliceSpans& slice, const RowRange& rows, std::span<const Blocks> hidden,
+                std::span<const float> factors, SliceSpans& lit);
 
 }  // namespace splatlas

@@ -10,8 +10,6 @@
 namespace splatlas {
 namespace {
 
-constexpr std::array<float, 3> kWhite{1, 1, 1};
-
 std::uint32_t block_of(std::int64_t voxel) {
   return static_cast<std::uint32_t>(voxel >> kBlockBits);
 }
@@ -31,7 +29,7 @@ SpanWriter::SpanWriter(int emissions, SliceSpans& out) : out_(out) {
   out.first_span.clear();
   out.spans.clear();
   out.optics.clear();
-  out.lit.clear();
+  out.lights.clear();
   out.voxels = 0;
 }
 
@@ -62,7 +60,6 @@ void SpanWriter::make_room(std::size_t floats) {
 void SpanWriter::color(std::uint32_t first, std::uint32_t count, const std::array<float, 3>& color,
                        const VoxelLight* lights, std::size_t stride) {
   float* const extinction = extinctions(first);
-  const std::array<float, 3>& of_voxels = out_.emissions == 1 ? kWhite : color;
   if (out_.emissions == 3) {
     const float* const white = whites(first);
     for (std::int64_t c = 0; c < 3; ++c) {
@@ -73,10 +70,10 @@ void SpanWriter::color(std::uint32_t first, std::uint32_t count, const std::arra
   if (lights == nullptr) return;
   const auto place = static_cast<std::size_t>(extinction - line_.data());
   for (std::uint32_t n = 0; n < count; ++n) lights_[place + n] = lights[n * stride];
-  if (!lit_.empty() && lit_.back().end == place && lit_.back().color == of_voxels) {
+  if (!lit_.empty() && lit_.back().end == place) {
     lit_.back().end += count;
   } else {
-    lit_.push_back({place, place + count, of_voxels});
+    lit_.push_back({place, place + count});
   }
 }
 
@@ -105,17 +102,17 @@ void SpanWriter::list_row(std::int64_t row, std::size_t first_of_row) {
 
 void SpanWriter::copy(const SliceSpans& from, std::int64_t first, std::int64_t last) {
   const auto block_floats = static_cast<std::size_t>(out_.block_floats());
-  auto lit = from.lit.begin();
+  auto lights = from.lights.begin();
   for (std::int64_t row = first; row < std::min(last, from.last_row); ++row) {
     const std::size_t first_of_row = out_.spans.size();
     for (Span span : from.row(row)) {
       const std::size_t floats = span.blocks * block_floats;
       const auto offset = static_cast<std::uint32_t>(out_.optics.size() / block_floats);
       std::copy_n(from.optics.data() + span.offset * block_floats, floats, out_.optics.append(floats));
-      for (; lit != from.lit.end() && lit->block < span.offset + span.blocks; ++lit) {
-        if (lit->block < span.offset) continue;
-        out_.lit.push_back(*lit);
-        out_.lit.back().block += offset - span.offset;
+      for (; lights != from.lights.end() && lights->block < span.offset + span.blocks; ++lights) {
+        if (lights->block < span.offset) continue;
+        out_.lights.push_back(*lights);
+        out_.lights.back().block += offset - span.offset;
       }
       span.offset = offset;
       out_.spans.push_back(span);
@@ -174,15 +171,13 @@ void SpanWriter::list(std::size_t place) {
   while (next_lit_ < lit_.size() && lit_[next_lit_].end <= place) ++next_lit_;
   const auto block =
       static_cast<std::uint32_t>(out_.optics.size() / static_cast<std::size_t>(out_.block_floats()));
-  const float* const whites = line_.data() + white_plane() * plane_floats_;
   for (std::size_t n = next_lit_; n < lit_.size() && lit_[n].place < place + kBlock; ++n) {
     const std::size_t begin = std::max(lit_[n].place, place),
                       end = std::min<std::size_t>(lit_[n].end, place + kBlock);
     const std::span<const VoxelLight> lights(lights_.data() + begin, end - begin);
     if (std::ranges::none_of(lights, [](const VoxelLight& light) { return light.lit > 0; })) continue;
-    LitBlock& lit = require_block(out_.lit, block, lit_[n].color);
-    std::copy(whites + begin, whites + end, lit.whites.data() + (begin - place));
-    std::copy(lights.begin(), lights.end(), lit.lights.data() + (begin - place));
+    if (out_.lights.empty() || out_.lights.back().block != block) out_.lights.emplace_back().block = block;
+    std::copy(lights.begin(), lights.end(), out_.lights.back().lights.data() + (begin - place));
   }
 }
 

@@ -52,10 +52,9 @@ class SpanWriter {
     std::size_t place = 0;
     [[nodiscard]] std::size_t end() const { return place + (std::size_t{last - first} << kBlockBits); }
   };
-  /// Voxels of a row that may be lit, of one colour: [place, end) of every plane of the buffer.
+  /// Voxels of a row that may be lit: [place, end) of every plane of the buffer.
   struct Run {
     std::size_t place = 0, end = 0;
-    std::array<float, 3> color{};
   };
   /// Plane of the emissions of white: the only ones, or behind the three others.
   [[nodiscard]] std::int64_t white_plane() const { return out_.emissions == 1 ? 1 : 4; }

@@ -11,13 +11,6 @@
 
 namespace splatlas {
 
-/// Blocks [first, last) of a scanline.
-struct Blocks {
-  std::int64_t first = 0, last = 0;
-
-  [[nodiscard]] bool contains(std::int64_t block) const { return first <= block && block < last; }
-};
-
 /// Blocks to composite: all that overlap pixels of the image in any phase. They stay within its margins.
 [[nodiscard]] inline Blocks blocks_in_reach(const SheetRows& rows, const ImageRows& image) {
   std::int64_t shift = rows.phases[0].shift;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "player/render/light/voxel_light.h"
+#include "player/render/sheets/spans/span_model.h"
 #include "tests/support/kernel_targets.h"
 
 namespace splatlas {
@@ -91,20 +92,23 @@ TEST_P(LightKernelsOf, KeepTheNormalsOfBordersInNoise) {
 TEST_P(LightKernelsOf, EmitTheLitPartOfLitVoxelsAlone) {
   std::vector<float> factors(65536);
   for (std::size_t code = 0; code < factors.size(); ++code) factors[code] = static_cast<float>(code) / 65536;
-  std::vector<LitBlock> blocks(3);
+  std::vector<BlockLights> lights(3);  // of every other block of 6
   for (std::uint32_t n = 0; n < 48; ++n) {
-    LitBlock& block = blocks[n / 16];
-    block.block = n / 16 * 2;
-    block.color = {0.25f, 0.5f, 1};
-    block.whites[n % 16] = 0.125f * static_cast<float>(n);
-    block.lights[n % 16] = {static_cast<PackedNormal>(n * 1361), static_cast<std::uint16_t>(n % 3 * 30000)};
+    lights[n / 16].block = 10 + n / 16 * 2;
+    lights[n / 16].lights[n % 16] = {static_cast<PackedNormal>(n * 1361),
+                                     static_cast<std::uint16_t>(n % 3 * 30000)};
   }
-  std::vector<float> optics(5 * 64, -1);
-  light_kernels().emit(blocks, factors.data(), 3, optics.data());
-  for (std::size_t n = 0; n < 48; ++n) {
-    for (std::size_t c = 0; c < 3; ++c)
-      EXPECT_EQ(optics[n / 16 * 128 + 16 * (c + 1) + n % 16],
-                n % 3 == 0 ? -1 : blocks[n / 16].lit_white(n % 16, factors) * blocks[n / 16].color[c]);
+  for (const int emissions : {1, 3}) {
+    OpticalBuffer unlit, lit;
+    const std::size_t planes = 1 + static_cast<std::size_t>(emissions), floats = 6 * 16 * planes;
+    for (std::size_t n = 0; n < floats; ++n) *unlit.append(1) = 0.125f * static_cast<float>(n);
+    light_kernels().emit({10, 6, emissions, unlit.data(), lights}, factors.data(), lit.append(floats));
+    for (std::size_t n = 0; n < floats; ++n) {
+      const std::size_t block = n / 16 / planes;
+      const VoxelLight light = block % 2 == 0 ? lights[block / 2].lights[n % 16] : VoxelLight{};
+      const float share = n / 16 % planes == 0 ? 0 : static_cast<float>(light.lit) / 65535;
+      EXPECT_EQ(lit.data()[n], unlit.data()[n] * (1 + share * (factors[light.normal] - 1)));
+    }
   }
 }
 

@@ -18,14 +18,13 @@ TEST(BuildSpans, HoldsTheLightOfEverySelectedVoxelWithAndWithoutShading) {
     const ParallelView view = *parallel_view(scene.camera, scene.options.size, scene.content.display);
     PreparedSelection prepared(scene.content, scene.selection);
     for (const Axis axis : kAxes) {
-      SpanModel model = prepared.spans(axis);
-      for (const bool shade : {false, true, false}) {
-        forget_light(model);
-        light_spans(model, shade ? Lighting(view).table() : std::vector<float>(65536, 1.0f), prepared.pool);
+      const SpanModel model = prepared.spans(axis);
+      for (const bool shade : {false, true}) {
+        const std::vector<float> factors = shade ? Lighting(view).table() : std::vector<float>();
         const reference::OpticalField field =
             reference::optical_field(scene.content, scene.selection, view, shade);
         ASSERT_NEAR(model.mean_densest_per_mm, field.mean_densest, 1e-6 * field.mean_densest);
-        const std::vector<reference::VoxelOptics> voxels = unpacked(model, prepared.atlas->grid());
+        const std::vector<reference::VoxelOptics> voxels = unpacked(model, prepared.atlas->grid(), factors);
         for (std::size_t n = 0; n < voxels.size(); ++n) {
           const double scale = field.voxels[n].extinction;
           // The float position and extinction round by 6e-8 each, the end of the window by a few.
@@ -63,7 +62,7 @@ TEST(BuildSpans, TakesNoMoreMemoryThanItSays) {
         std::uint64_t bytes = 0;
         for (const SliceSpans& slice : model.slices) {
           bytes += slice.optics.size() * sizeof(float) + slice.spans.size() * sizeof(Span) +
-                   slice.lit.size() * sizeof(LitBlock);
+                   slice.lights.size() * sizeof(BlockLights);
         }
         EXPECT_LE(bytes, span_model_bytes(prepared.plan.volume_voxels, prepared.atlas->runs(Axis::kZ)))
             << visible << " visible, " << gap << " not";

@@ -43,12 +43,9 @@ TEST(CoarseSpans, LightTheSharesOfBoundaryVoxels) {
   const reference::OpticalField field = reference::optical_field(content, prepared.selection, view, true);
   const std::vector<reference::VoxelOptics> expected = means_of(field, volume.grid, 1);
   for (const Axis axis : kAxes) {
-    SpanModel fine = prepared.spans(axis);
-    light_spans(fine, Lighting(view).table(), prepared.pool);  // means are of unlit voxels
-    CoarseSpans spans(fine, true, 1, prepared.pool);
-    spans.light(view, Lighting(view), prepared.pool);
+    const CoarseSpans spans(prepared.spans(axis), true, 1, prepared.pool);
     const Grid coarse = coarse_grid(volume.grid, 1);
-    const std::vector<reference::VoxelOptics> ours = unpacked(spans.model(), coarse);
+    const std::vector<reference::VoxelOptics> ours = unpacked(spans.model(), coarse, Lighting(view).table());
     // Normals of the slab's rim bend
     std::uint64_t lit = 0;
     for (std::int64_t k = 0; k < coarse.size[2]; ++k) {
@@ -68,22 +65,6 @@ TEST(CoarseSpans, AreNotLitUnlessTheRequestAsksForIt) {
   const CoarseSpans spans(fine, false, 1, prepared.pool);
   EXPECT_GT(spans.model().voxels, 0u);
   EXPECT_EQ(spans.model().lit_blocks, 0u);
-}
-
-/// Rounding would give nearly every mean a colour, and thus a block, of its own.
-TEST(CoarseSpans, ListABlockOfMeansOfOneColourOnce) {
-  TestVolume volume;
-  volume.grid.size = {64, 8, 8};
-  volume.structures = {{"a", box_mask({64, 8, 8}, {0, 0, 0}, {31, 7, 7}), {90, 20, 150}},
-                       {"b", box_mask({64, 8, 8}, {32, 0, 0}, {63, 7, 7}), {250, 110, 30}}};
-  std::vector<std::uint8_t> greys;
-  for (std::uint32_t n = 0; n < 64 * 64; ++n) greys.push_back(static_cast<std::uint8_t>(n * n % 251 + 1));
-  volume.values = make_values(VoxelType::kUInt8, greys);
-  volume.window_high = 251;
-  const AtlasContent content = make_content(volume);
-  PreparedSelection prepared(content, selection_of("*:volume", content.graph));
-  const CoarseSpans spans(prepared.spans(Axis::kZ), true, 1, prepared.pool);
-  EXPECT_EQ(spans.model().lit_blocks, 2u * 4 * 4);
 }
 
 TEST(VoxelSums, HaveAColourForTheSmallestEmissions) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -11,14 +12,18 @@
 
 namespace splatlas {
 
-/// Unpacks spans into a volume, and checks their order and blocks.
-inline std::vector<reference::VoxelOptics> unpacked(const SpanModel& model, const Grid& grid) {
+/// Unpacks spans into a volume, lit by `factors` (light_rows()) unless they are empty, and checks their order
+/// and blocks.
+inline std::vector<reference::VoxelOptics> unpacked(const SpanModel& model, const Grid& grid,
+                                                    std::span<const float> factors = {}) {
   std::vector<reference::VoxelOptics> voxels(static_cast<std::size_t>(grid.voxels()));
   const ScanOrder scan = ScanOrder::of(model.axis);
   std::uint64_t with_extinction = 0;
   for (std::size_t s = 0; s < model.slices.size(); ++s) {
-    const SliceSpans& slice = model.slices[s];
+    SliceSpans lit;
+    const SliceSpans& slice = factors.empty() ? model.slices[s] : lit;
     for (std::int64_t row = 0; row < grid.size[scan.row_axis]; ++row) {
+      if (!factors.empty()) light_rows(model.slices[s], {row, row + 1}, {}, factors, lit);
       std::int64_t end_block = -1;
       for (const Span& span : slice.row(row)) {
         EXPECT_GT(span.first_block, end_block) << "else one span";

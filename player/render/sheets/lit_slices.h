@@ -1,0 +1,45 @@
+// Rows of slices for a band of a sheet, lit.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "player/render/sheets/sheet_fragments.h"
+#include "player/render/sheets/slabs.h"
+#include "player/render/sheets/spans/span_model.h"
+#include "player/render/view/shear.h"
+
+namespace splatlas {
+
+/// Voxel rows whose footprints reach a band, in a slab.
+[[nodiscard]] inline RowRange rows_of_band(const SliceRows& slab, std::int64_t scale, const BandImage& band) {
+  return {slab.upper_from(scale - 1, band.first_fine_row()), slab.upper_from(0, band.last_fine_row()) + 1};
+}
+
+/// Lights the slices of a band while it is rendered: where their pixels are not opaque yet. Not thread-safe.
+class LitSlices {
+ public:
+  /// `factors`: of SheetSpans. All references must outlive it.
+  LitSlices(const Shear& shear, const SheetWindow& window, std::span<const float> factors,
+            const BandImage& band)
+      : shear_(shear), window_(window), factors_(factors), band_(band) {}
+
+  /// Rows of a slice for slabs up to `reach` slices away. Valid until the next call for another slice with
+  /// the same `place`, 0 or 1. Cost: a copy of the blocks.
+  [[nodiscard]] const ShownRows& rows(const SliceSpans& slice, double reach, std::size_t place);
+
+ private:
+  void find_hidden(double k, double reach, ShownRows& shown);
+
+  const Shear& shear_;
+  const SheetWindow& window_;
+  std::span<const float> factors_;
+  const BandImage& band_;
+  std::array<ShownRows, 2> shown_;
+  std::array<const SliceSpans*, 2> unlit_{};
+  std::vector<Blocks> opaque_;  // of each fine row
+};
+
+}  // namespace splatlas
