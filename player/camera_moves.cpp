@@ -93,6 +93,20 @@ Result<std::optional<Vec3>> center_of(const FrameCenter& center, const Atlas& at
   return std::optional(point);
 }
 
+Result<std::vector<StructureIndex>> label_bearers(const StructureGraph& graph,
+                                                  std::span<const std::string> names) {
+  std::vector<StructureIndex> bearers(graph.size(), kNoStructure);
+  for (const std::string& name : names) {
+    SPLATLAS_ASSIGN_OR_RETURN(const auto named, graph.find_named(name));
+    for (const StructureIndex s : named) bearers[s] = s;
+  }
+  for (const StructureIndex s : graph.topological()) {
+    for (const StructureIndex parent : graph[s].parents)
+      if (bearers[s] == kNoStructure) bearers[s] = bearers[parent];
+  }
+  return bearers;
+}
+
 Result<SceneFraming> framing_of(const Scene& scene, const Atlas& atlas) {
   const auto in_scene = [&](const Error& error) {
     return Error{ErrorCode::kInvalidAtlas,
@@ -101,11 +115,9 @@ Result<SceneFraming> framing_of(const Scene& scene, const Atlas& atlas) {
   };
   SceneFraming framing;
   SPLATLAS_ASSIGN_OR_RETURN(framing.cuts, parse_cuts(scene.cuts).map_error(in_scene));
-  const StructureGraph& graph = atlas.graph();
-  if (!scene.labels.empty()) framing.labelled.resize(graph.size());
-  for (const std::string& label : scene.labels) {
-    SPLATLAS_ASSIGN_OR_RETURN(const auto named, graph.find_named(label).map_error(in_scene));
-    for (const StructureIndex s : graph.descendants(named)) framing.labelled[s] = true;
+  if (!scene.labels.empty()) {
+    SPLATLAS_ASSIGN_OR_RETURN(framing.bearers,
+                              label_bearers(atlas.graph(), scene.labels).map_error(in_scene));
   }
   if (scene.center.empty()) return framing;
   const auto center = parse_center(scene.center);

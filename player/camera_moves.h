@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -44,9 +45,14 @@ namespace splatlas {
 /// Cuts, centre and labels of a scene.
 struct SceneFraming {
   CutPlanes cuts;
-  std::optional<Vec3> center_lps_mm;  ///< none: the middle of the selection
-  std::vector<bool> labelled;         ///< [structure]: may get a label; empty: all may
+  std::optional<Vec3> center_lps_mm;    ///< none: the middle of the selection
+  std::vector<StructureIndex> bearers;  ///< of labels; empty: every structure has its own name
 };
+
+/// Of each structure the one of these names (StructureGraph::find_named()) whose label it bears: itself, or
+/// its nearest group among them; else kNoStructure. kNotFound for unknown names. Linear in the structures.
+[[nodiscard]] Result<std::vector<StructureIndex>> label_bearers(const StructureGraph& graph,
+                                                                std::span<const std::string> names);
 
 /// Reads the texts of a scene. kInvalidAtlas for bad ones, with the atlas and the scene. Thread-safe.
 [[nodiscard]] Result<SceneFraming> framing_of(const Scene& scene, const Atlas& atlas);

@@ -87,7 +87,7 @@ struct PageRenderer::Impl {
     SPLATLAS_ASSIGN_OR_RETURN(const Frame frame, renderer.render(whole, draft));
     decode_ms += frame.stats.decode_ms;
     std::vector<NamedStructure> structures = named_structures(
-        frame.picture, structure_at(frame), renderer.atlas().graph(), renderer.selection(), options.labelled);
+        frame.picture, structure_at(frame), renderer.atlas().graph(), renderer.selection(), options.bearers);
     for (NamedStructure& one : structures) one.visible.pixels /= scale * scale;
     return structures;
   }
@@ -137,7 +137,7 @@ struct PageRenderer::Impl {
       scene.background = options.background, scene.background_bottom = options.background_bottom;
     if (names_structures())
       scene.structures = named_structures(frame.picture, structure_at(frame), renderer.atlas().graph(),
-                                          renderer.selection(), options.labelled);
+                                          renderer.selection(), options.bearers);
     SPLATLAS_RETURN_IF_ERROR(drawer->wait());
     const AnnotationOptions content = annotation_options(atlas.provenance());
     SPLATLAS_ASSIGN_OR_RETURN(AnnotationLayer layer, annotate_picture(scene, content, measure));
@@ -203,12 +203,9 @@ void PageRenderer::set_caption(std::string caption) {
   impl_->options.caption = std::move(caption);
 }
 
-void PageRenderer::set_labelled(std::vector<bool> labelled) {
-  impl_->options.labelled = std::move(labelled);
-}
-
-void PageRenderer::set_cuts(const CutPlanes& cuts) {
-  impl_->options.render.cuts = cuts;
+void PageRenderer::set_framing(const SceneFraming& framing) {
+  impl_->options.render.cuts = framing.cuts;
+  if (impl_->options.items.labels) impl_->options.bearers = framing.bearers;  // legends list the parts
 }
 
 Result<Camera> PageRenderer::fit(Renderer& renderer, const Camera& camera) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "player/camera_moves.h"
 #include "player/page/annotation.h"
 #include "player/renderer.h"
 
@@ -27,7 +28,8 @@ struct PageOptions {
   AnnotationItems items = {};  ///< none: a plain picture
   /// Labels of the largest structures. Not set: 40, and a note counts the others.
   std::optional<std::size_t> max_labels = std::nullopt;
-  std::vector<bool> labelled = {};                    ///< [structure]: may get a label; empty: all may
+  std::vector<StructureIndex> bearers =
+      {};  ///< of labels, see label_bearers(); empty: every structure its own
   std::optional<std::string> caption = std::nullopt;  ///< not set: the title of the atlas
   /// Pixels per inch in print. Not set: the short side has 160 mm, but labels have at least 11 pixels.
   std::optional<double> dpi = std::nullopt;
@@ -54,10 +56,8 @@ class PageRenderer {
 
   /// Replaces the caption of the options.
   void set_caption(std::string caption);
-  /// Replaces the cuts of the options.
-  void set_cuts(const CutPlanes& cuts);
-  /// Replaces PageOptions::labelled.
-  void set_labelled(std::vector<bool> labelled);
+  /// Replaces cuts and bearers of the options.
+  void set_framing(const SceneFraming& framing);
 
   /// The camera of a page (see render()). Errors of render().
   [[nodiscard]] Result<Camera> fit(Renderer& renderer, const Camera& camera);

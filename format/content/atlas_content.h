@@ -23,7 +23,7 @@ struct Scene {
   std::string cuts = {};      ///< of parse_cuts()
   std::string center = {};    ///< of parse_center(); empty: the middle of the selection
   bool perspective = false;   ///< projection of the picture; else parallel
-  /// Names (find_named()) without line feeds, labelled with their descendants. Empty: the largest structures.
+  /// Names (find_named()) without line feeds, labelled; a group as a whole. Empty: the largest structures.
   std::vector<std::string> labels = {};
   friend bool operator==(const Scene&, const Scene&) = default;
 };

@@ -169,8 +169,7 @@ struct Drawing {
     const Result<std::optional<Vec3>> center = center_of(request.center, *atlas);
     if (!center) return fail(center.error().code, "{}: --center: {}", atlas->name(), center.error().message);
     if (*center) camera.center_lps_mm = *center;
-    pages.set_cuts(framing.cuts);
-    pages.set_labelled(framing.labelled);
+    pages.set_framing(framing);
     if (request.names_caps && framing.cuts.empty()) add(report.warnings, "--cap has no effect without --cut");
     const auto named = [&](const Error& error) {
       return in_selection(error, *atlas, scene != nullptr ? scene->name : "");

@@ -222,16 +222,18 @@ std::string printed_lines(std::string_view text) {
 
 std::vector<NamedStructure> named_structures(const Picture& picture, const StructureAt& at,
                                              const StructureGraph& graph, const Selection& selection,
-                                             const std::vector<bool>& labelled) {
+                                             const std::vector<StructureIndex>& bearers) {
   std::map<StructureIndex, VisibleStructure> visible;
-  for (const VisibleStructure& one : visible_structures(sample_structures(picture, at, kMaxPicks)))
-    visible.emplace(one.structure, one);
+  IdGrid grid = sample_structures(picture, at, kMaxPicks);
+  for (StructureIndex& s : grid.ids)
+    if (s < bearers.size() && bearers[s] != kNoStructure) s = bearers[s];
+  for (const VisibleStructure& one : visible_structures(grid)) visible.emplace(one.structure, one);
   std::vector<NamedStructure> structures;
   for (const StructureIndex s : graph.preorder()) {
     const auto found = visible.find(s);
     if (found == visible.end()) continue;
     structures.push_back({printed_name(graph[s]), selection.structures[s].color, found->second,
-                          labelled.empty() || labelled[s]});
+                          bearers.empty() || bearers[s] != kNoStructure});
   }
   return structures;
 }

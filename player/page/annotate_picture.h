@@ -19,11 +19,12 @@ namespace splatlas {
 [[nodiscard]] std::string printed_lines(std::string_view text);
 
 /// The structures in a picture of a selection, in the order of the tree, with blanks for underscores.
-/// `labelled`: [structure], may get a label; empty: all may. Cost: 40 000 calls of `at`.
+/// `bearers`: see label_bearers(): structures with the same one are one, and those without have no label;
+/// empty: all have their own. Cost: 40 000 calls of `at`.
 [[nodiscard]] std::vector<NamedStructure> named_structures(const Picture& picture, const StructureAt& at,
                                                            const StructureGraph& graph,
                                                            const Selection& selection,
-                                                           const std::vector<bool>& labelled);
+                                                           const std::vector<StructureIndex>& bearers);
 
 /// Places the annotations. Texts have 7 to 13 points in print and lie inside the picture. Labels cover no
 /// structure (see place_labels()). Other items leave structures free where they can; `notes` names those that

@@ -94,19 +94,16 @@ class LetterWidths {
   std::unordered_map<std::string, double> widths_;
 };
 
-Result<std::vector<bool>> labelled_by(const Json& names, const Renderer& renderer) {
+Result<std::vector<StructureIndex>> bearers_of(const std::vector<std::string>& names,
+                                               const Renderer& renderer) {
   const StructureGraph& graph = renderer.atlas().graph();
-  std::vector<bool> labelled(graph.size());
-  for (const Json& name : names) {
-    SPLATLAS_ASSIGN_OR_RETURN(const auto named, graph.find_named(name.get<std::string>()));
-    for (const StructureIndex s : graph.descendants(named)) labelled[s] = true;
-  }
-  if (!names.empty()) return labelled;
+  if (!names.empty()) return label_bearers(graph, names);
+  std::vector<StructureIndex> bearers(graph.size(), kNoStructure);
   for (StructureIndex s = 0; s < graph.size(); ++s) {
     const StructureDraw& draw = renderer.selection().structures[s];
-    labelled[s] = draw.mode != DrawMode::kSurface || !draw.ghost;
+    if (draw.mode != DrawMode::kSurface || !draw.ghost) bearers[s] = s;
   }
-  return labelled;
+  return bearers;
 }
 
 Json json_of(const AnnotationLayer& layer, double label_size) {
@@ -129,15 +126,15 @@ Json json_of(const AnnotationLayer& layer, double label_size) {
 Result<Json> page_labels(const Json& request, const Frame& frame, const Camera& camera,
                          const Renderer& renderer) {
   SPLATLAS_ASSIGN_OR_RETURN(const View view, view_of(camera, frame.picture.size, renderer.atlas().display()));
-  SPLATLAS_ASSIGN_OR_RETURN(const std::vector<bool> labelled,
-                            labelled_by(request.value("labels", Json::array()), renderer));
+  SPLATLAS_ASSIGN_OR_RETURN(const auto bearers,
+                            bearers_of(request.value("labels", std::vector<std::string>()), renderer));
   SPLATLAS_ASSIGN_OR_RETURN(const Rgb background, parse_color(request.at("background").get<std::string>()));
   const AnnotatedScene scene{
       .picture = frame.picture,
       .view = view,
       .background = background,
       .structures = named_structures(frame.picture, structure_at(frame), renderer.atlas().graph(),
-                                     renderer.selection(), labelled)};
+                                     renderer.selection(), bearers)};
   AnnotationOptions options;
   options.items.labels = true;
   options.dpi = std::clamp(request.at("dpi").get<double>(), kMinDpi, kMaxDpi);

@@ -2,9 +2,9 @@
 
 #include <random>
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
-#include "tests/support/test_content.h"
+#include "tests/support/phantom_content.h"
 
 namespace splatlas {
 namespace {
@@ -65,6 +65,14 @@ TEST(CameraMovesTest, MovingTakesThePointUnderThePointerAlong) {
     const Vec3 after = parallel_view(moved, kSize, kDisplay)->point_lps_mm(130, 188);
     for (std::size_t a = 0; a < 3; ++a) EXPECT_NEAR(before[a], after[a], 1e-9);
   }
+}
+
+TEST(CameraMovesTest, LabelsNameGroupsAsAWhole) {
+  const auto bearers = [graph = phantom_content().graph](const std::vector<std::string>& names) {
+    return value_or_throw(label_bearers(graph, names));
+  };
+  EXPECT_THAT(bearers({"Spheres", "Sphere_2"}), testing::ElementsAre(0, kNoStructure, 0, 3));
+  EXPECT_THAT(bearers({"Spheres/*"}), testing::ElementsAre(kNoStructure, kNoStructure, 2, 3));
 }
 
 TEST(CameraMovesTest, BoundingBoxesHoldTheSelectedVoxels) {

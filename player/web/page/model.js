@@ -237,12 +237,12 @@ class Model {
 
   hideAll(camera) { this.change({base: '', edits: []}, camera); }
 
-  /** The structures with this name or id, or one that begins as a text with `*`; without any, those with this term. */
+  /** The structures with this name, id or path, or one that begins as a text with `*`; without any, those with this term. */
   named(text) {
     const [first, rest] = text.toLowerCase().split('*');
     const fits = value => (rest === undefined ? value === first : value.startsWith(first));
-    const having = texts => [...this.structures.keys()].filter(index => texts(this.structures[index]).some(value => fits(value.toLowerCase())));
-    const found = having(({name, id}) => [name, id]);
+    const having = texts => [...this.structures.keys()].filter(index => texts(this.structures[index], index).some(value => fits(value.toLowerCase())));
+    const found = having(({name, id}, index) => [name, id, this.path(index).slice(-2).join('/')]);
     return found.length > 0 ? found : having(({terms = []}) => terms.map(({value}) => value));
   }
 

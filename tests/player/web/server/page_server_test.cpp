@@ -245,6 +245,12 @@ TEST_F(PageServerTest, DrawsThePicturesOfTheRenderer) {
   const Json names = Json::parse(
       call(0, R"({"call": "labels", "glyphs": {"2": 9999}, "dpi": 72, "background": "#ffffff"})").text);
   EXPECT_EQ(names.at("lines").size(), names.at("dots").size()) << "a rule";
+  const Json group = Json::parse(
+      call(0,
+           R"({"call": "labels", "glyphs": {}, "dpi": 36, "background": "#ffffff", "labels": ["Spheres"]})")
+          .text);
+  ASSERT_EQ(group.at("texts").size(), 1U);
+  EXPECT_EQ(group.at("texts")[0][0], "Spheres") << "a group has one label";
   EXPECT_EQ(call(1, R"({"call": "pick", "at": [120, 90]})").text, "null\n")
       << "each worker has a picture of its own";
   EXPECT_EQ(pick.status, 0U);
