@@ -44,8 +44,8 @@ class Lesson {
     const at = (this.#model.state.scene ?? scenes.length - 1) + 1;
     let n = scenes.length + 1;
     while (scenes.some(({name}) => name.toLowerCase() === `scene ${n}`)) ++n;
-    scenes.splice(at, 0, {name: `Scene ${n}`, question: '', caption: '', labels: [], ...recorded});
-    this.#reorder(at);
+    const scene = {name: `Scene ${n}`, question: '', caption: '', labels: [], ...recorded};
+    this.#change(() => scenes.splice(at, 0, scene), scene);
     byId('scene-name').select();
   }
 
@@ -53,26 +53,22 @@ class Lesson {
   async #renew() {
     const scene = this.#scene();
     const recorded = await this.#handlers.record();
-    if (!recorded) return;
-    Object.assign(scene, recorded);
-    this.#reorder(this.#model.state.scene);
+    if (recorded) this.#change(() => Object.assign(scene, recorded), scene);
   }
 
   #move(by) {
     const {scenes} = this.#model.info;
     const from = this.#model.state.scene;
     const to = Math.min(Math.max(from + by, 0), scenes.length - 1);
-    scenes.splice(to, 0, ...scenes.splice(from, 1));
-    this.#reorder(to);
+    this.#change(() => scenes.splice(to, 0, ...scenes.splice(from, 1)));
   }
 
   #remove() {
     const {scenes} = this.#model.info;
     const {scene} = this.#model.state;
     if (!confirm(`Remove the scene "${scenes[scene].name}"?`)) return;
-    scenes.splice(scene, 1);
-    this.#reorder(scenes.length === 0 ? null : Math.min(scene, scenes.length - 1));
-    if (scenes.length > 0) this.#handlers.show(this.#model.state.scene);
+    this.#change(() => scenes.splice(scene, 1));
+    if (scenes.length > 0) this.#handlers.show(Math.min(scene, scenes.length - 1));
   }
 
   /** The scenes to save; null if a name stands twice or not at all. */
@@ -104,14 +100,15 @@ class Lesson {
     if (status !== 202) this.#handlers.tell(status === 200 ? text : `The lesson is not saved: ${text}. Save it as a file.`);
   }
 
-  /** Earlier steps know the scenes by other numbers. */
-  #reorder(scene) {
+  /** Changes the list of scenes; `recorded`: the one that has the picture on the screen. */
+  #change(edit, recorded = null) {
+    const {scenes} = this.#model.info;
+    const before = [...scenes];
+    edit();
     this.#isUnsaved = true;
-    this.#model.forgetAll();
-    if (scene === null) this.#model.state = {...this.#model.state, scene, isAsking: false};
-    else this.#model.state = {...this.#model.sceneState(scene), isAsking: false};
+    this.#model.renumber(before);
+    if (recorded) this.#model.state = {...this.#model.sceneState(scenes.indexOf(recorded)), isAsking: false};
     this.#handlers.list();
-    this.update();
   }
 
   update() {

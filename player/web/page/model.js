@@ -134,9 +134,14 @@ class Model {
     this.#undo.length = Math.min(this.#undo.length, Math.max(steps - this.#forgotten, 0));
   }
 
-  forgetAll() {
-    this.forgetSteps(0);
-    this.#redo = [];
+  /** The scenes were `before`: the state and all steps take their new numbers. */
+  renumber(before) {
+    const renumbered = state => {
+      const scene = this.info.scenes.indexOf(before[state.scene]);
+      return scene < 0 ? {...state, scene: null, isAsking: false} : {...state, scene};
+    };
+    for (const step of [...this.#undo, ...this.#redo]) step.state = renumbered(step.state);
+    this.state = renumbered(this.state);
   }
 
   /** True if the selection is not that of the present scene, or if there is no scene. */

@@ -86,7 +86,7 @@ class Page {
       list: () => {
         this.#scenes.list();
         this.#quiz.forget();
-        this.#lastGood = {state: model.state, camera: this.#stage.camera, steps: 0};
+        this.#lastGood = {state: model.state, camera: this.#stage.camera, steps: model.steps()};
         this.#mark();
       },
       labelled: () => this.#labelPicture(), tell: text => this.#tell(text),
@@ -433,6 +433,7 @@ class Page {
     const fitted = await this.#engine.fitted({...this.#drawing(), camera: fit}).catch(error => this.#tell(error.message));
     if (!fitted || this.#model.state !== state || this.#stage.camera !== camera) return this.#show();
     const relative = Number((zoom / fitted.zoom).toPrecision(4));
+    this.#model.change({}, camera);
     this.#stage.camera = {...placed, zoom: fitted.zoom * relative};
     this.#show();
     const cuts = this.#model.state.cuts.map(({normal, offset}) => ({normal, offset: round(offset)}));

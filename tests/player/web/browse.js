@@ -326,6 +326,8 @@ async function record(visit) {
   await idle();
   const screen = await page.evaluate(textOfCanvas);
   await visit.picture('desk_lesson');
+  for (const move of ['#earlier', '#later']) await page.click(move);
+  assert.strictEqual(await page.$eval('#undo', button => button.disabled), false);
   await page.click('#tab-structures');
   await visit.changesBy('p');
   await visit.changes('scene', async () => {

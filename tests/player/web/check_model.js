@@ -60,3 +60,12 @@ assert.deepStrictEqual([...texts(), lesson.canRedo()], ['"Brain":surface + rest(
 lesson.step('undo', 'here');
 lesson.hideAll('here');
 assert.deepStrictEqual([lesson.selection(), lesson.canRedo(), lesson.canUndo()], ['', false, true]);
+
+// Steps follow the scenes to their new numbers; those of a removed scene have none.
+const ordered = new Model({structures, scenes: [...lesson.info.scenes]});
+ordered.change(ordered.sceneState(0), 'opening');
+ordered.change(ordered.sceneState(1), 'first');
+ordered.renumber(ordered.info.scenes.splice(0, 2, ...[...lesson.info.scenes].reverse()));
+assert.deepStrictEqual([ordered.state.scene, ordered.step('undo', 'second'), ordered.state.scene], [0, 'first', 1]);
+ordered.renumber([ordered.info.scenes.shift(), ...ordered.info.scenes]);
+assert.deepStrictEqual([ordered.state.scene, ordered.step('redo', 'first'), ordered.state.scene], [0, 'second', null]);
