@@ -260,7 +260,8 @@ class Model {
 
   /**
    * Indices of the structures with every word of the text in their names, ids and terms, best first; null for a blank
-   * text. Where none fits, endings do not count, then not one wrong letter in a word. Without any, `areNearest` is true.
+   * text. Single letters are words, or begin some. Where none fits, endings do not count, then not one wrong letter in a
+   * word. Without any, `areNearest` is true.
    */
   search(text) {
     const phrase = Model.folded(text).trim();
@@ -273,7 +274,7 @@ class Model {
       return indices.sort((a, b) => ranks.get(a) - ranks.get(b));
     };
     const all = [...this.structures.keys()];
-    for (const fits of [Model.#holds, Model.#holdsStem, Model.#holdsNearly]) {
+    for (const fits of [Model.#holdsLetters, Model.#holds, Model.#holdsStem, Model.#holdsNearly]) {
       const found = all.filter(index => words.every(word => fits(this.#index[index], word)));
       if (found.length > 0) return sorted(found, names => [
         names.includes(`\n ${phrase} \n`), words.every(word => names.includes(` ${word} `)),
@@ -285,8 +286,9 @@ class Model {
   }
   #index = null;
 
-  static #holds = (names, word) => names.includes(word);
-  static #holdsStem = (names, word) => names.includes(Model.#stem(word));
+  static #holdsLetters = (names, word) => names.includes(word.length > 1 ? word : ` ${word} `);
+  static #holds = (names, word) => names.includes(word.length > 1 ? word : ` ${word}`);
+  static #holdsStem = (names, word) => Model.#holds(names, Model.#stem(word));
   static #holdsNearly = (names, word) => (word.length < 5 ? Model.#holdsStem(names, word) :
     Model.#errors(names, Model.#stem(word).length < 4 ? word : Model.#stem(word)) <= 1);
 

@@ -285,9 +285,7 @@ class Page {
   #takePick(picked, purpose, u, v) {
     if (this.#quiz.takes(picked?.index ?? null)) return;
     if (picked === null) return this.#name(null);
-    byId('search').value = '';
-    this.#tree.show(null);
-    this.#tree.reveal(picked.index);
+    this.#endSearch(picked.index);
     this.#choose(picked.index);
     this.#pointer.hide();
     if (purpose === 'focus') this.#focus(picked.index);
@@ -364,6 +362,13 @@ class Page {
     this.#goTo({...goal, ...camera});
   }
 
+  /** Shows the tree with a structure in place of what a search has found. */
+  #endSearch(index) {
+    byId('search').value = byId('found').textContent = '';
+    this.#tree.show(null);
+    this.#tree.reveal(index);
+  }
+
   #startSearch() {
     byId('search').addEventListener('input', event => {
       const found = this.#model.search(event.target.value);
@@ -376,7 +381,10 @@ class Page {
       event.preventDefault();
       const first = document.querySelector('#tree [role=treeitem]');
       first?.focus();
-      if (event.key === 'Enter') first?.click();
+      if (event.key !== 'Enter' || !first) return;
+      first.click();
+      this.#endSearch(this.#inspector.index);
+      document.querySelector('#tree [tabindex="0"]').focus();
     });
   }
 
@@ -540,7 +548,7 @@ class Page {
 
   #openSearch() {
     byId('tab-structures').click();
-    byId('search').focus();
+    byId('search').select();
   }
 
   /** Puts the state into the address: selection, camera and cuts. @returns {boolean} false if it is too long */

@@ -149,8 +149,9 @@ async function search(visit) {
   const rows = await page.$$eval('#tree .label > bdi', names => names.map(each => each.textContent));
   assert(rows.length > 0 && rows.every(isNamed), `found: ${rows}`);
   await visit.picture('search');
-  await page.click('#tree [role=treeitem]');
+  await page.keyboard.press('Enter');
   assert(isNamed(await visit.text('#picked strong')));
+  assert(await page.$eval('#search', input => input.value === '' && document.activeElement.ariaSelected === 'true'));
 }
 
 /** Shows the found structure alone, changes it, and picks it. */
