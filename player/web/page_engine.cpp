@@ -107,7 +107,10 @@ Result<std::vector<StructureIndex>> bearers_of(const std::vector<std::string>& n
 }
 
 Json json_of(const AnnotationLayer& layer, double label_size) {
-  Json json{{"lines", Json::array()}, {"dots", Json::array()}, {"texts", Json::array()}};
+  Json json{{"lines", Json::array()},
+            {"dots", Json::array()},
+            {"texts", Json::array()},
+            {"unlabelled", layer.unlabelled}};
   for (const PlacedLine& one : layer.lines)
     if (one.casing > 0)  // no rule above a note
       json["lines"].push_back({one.from.x, one.from.y, one.to.x, one.to.y, one.width, to_hex(one.color),

@@ -80,7 +80,8 @@ class PageEngine {
   ///   - labels {glyphs: {letter: width in em}, dpi, background: "#rrggbb", labels: [name, ...]}: names for
   ///     the latest picture, as on a printed page (annotate_picture()); without labels, of what is no ghost.
   ///     {lines: [[x0, y0, x1, y1, width, color, casing, casing color], ...], dots: [[x, y, radius, color,
-  ///     casing, casing color], ...], texts: [[text, x, baseline, size, color], ...]}, in pixels.
+  ///     casing, casing color], ...], texts: [[text, x, baseline, size, color], ...]}, in pixels, and
+  ///     unlabelled: names without room.
   [[nodiscard]] PageAnswer call(std::string_view request, std::vector<std::byte> bytes = {},
                                 const RenderControl& control = {});
 

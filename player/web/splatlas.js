@@ -197,7 +197,7 @@ class Splatlas {
    * @param {object} options glyphs: the width of each letter in em; dpi: names have 8.5 points; background: '#rrggbb';
    *   labels: names of structures, none for all but ghosts
    * @returns {object} lines [x0, y0, x1, y1, width, color, casing, casing color], dots [x, y, radius, color, casing,
-   *   casing color] and texts [text, x, baseline, size, color], in pixels */
+   *   casing color] and texts [text, x, baseline, size, color], in pixels; unlabelled: their number without room */
   labels(options) { return this.#call('labels', options); }
 
   /** Calls the engine. @returns its answer */

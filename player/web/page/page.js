@@ -18,7 +18,7 @@ class Page {
     drawn: (drawn, colors) => this.#takeDrawn(drawn, colors),
     picked: (picked, {purpose, u, v}) => this.#takePick(picked, purpose, u, v),
     hovered: picked => this.#pointer.show(this.#isAsking() ? null : picked),
-    labelled: layer => { if (layer && !this.#isAsking()) this.#names.show(layer, this.#pictures.width, this.#pictures.height); },
+    labelled: layer => { if (layer && !this.#isAsking()) this.#takeNames(layer); },
     lit: lightUp, sliced: slices => this.#slices.take(slices),
     told: (text, of) => this.#tell(of === 'label' && /too small/.test(text) ? 'There is no room for names of this size.' : text),
     error: text => this.#takeError(text),
@@ -45,6 +45,7 @@ class Page {
   #tree; #inspector; #scenes; #cuts; #slices; #menu; #lesson; #quiz; #names;  // with the model
   #lastGood = null;   // {state, camera, steps} of the latest that was drawn; of the opening picture before
   #typed = null;      // the text of "Show this selection" until its picture
+  #told = '';         // what #takeNames() has told of
   #messageTimer = 0;
   #slowTimer = 0;     // runs until the next picture
 
@@ -352,6 +353,14 @@ class Page {
     const options = this.#names.options(labels, this.#pictures.width / this.#stage.size()[0]);
     this.#names.hide();
     if (options && document.body.dataset.quality !== 'draft' && !this.#isAsking()) this.#engine.label(options);
+  }
+
+  /** Shows names, and tells once of a selection and a size how many have no room. */
+  #takeNames(layer) {
+    this.#names.show(layer, this.#pictures.width, this.#pictures.height);
+    const told = `${this.#names.size} ${this.#model.selection()}`;
+    if (layer.unlabelled > 0 && told !== this.#told) this.#tell(`Names without room: ${layer.unlabelled}`);
+    this.#told = told;
   }
 
   /** Changes parts of the camera: a step of undo. */

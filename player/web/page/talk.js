@@ -100,7 +100,7 @@ class Names {
   #canvas = document.getElementById('names');
   #font = getComputedStyle(document.body).fontFamily;
   #glyphs = {};
-  #size = 0;  // index into kNameSizes
+  size = 0;  // index into kNameSizes
 
   constructor(structures) {
     const context = this.#canvas.getContext('2d');
@@ -111,11 +111,11 @@ class Names {
   }
 
   /** The next size, or none after the largest. */
-  grow() { this.#size = (this.#size + 1) % kNameSizes.length; }
+  grow() { this.size = (this.size + 1) % kNameSizes.length; }
 
   /** What the engine needs to place them; null: no names are wanted. A scene that chooses labels has them anyway. */
   options(labels, pixelRatio) {
-    const size = kNameSizes[this.#size || Number(labels.length > 0)];
+    const size = kNameSizes[this.size || Number(labels.length > 0)];
     if (size === 0) return null;
     return {glyphs: this.#glyphs, dpi: size * pixelRatio * 72 / kNamePoints, background: stageColor(), labels};
   }

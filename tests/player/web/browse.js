@@ -191,6 +191,21 @@ async function point(visit) {
   await visit.changesBy('#hide-all', 'u', '#redo', 'u');
 }
 
+/** Names without room are counted. */
+async function names({page}) {
+  await page.evaluate(async () => {
+    const press = () => document.body.dispatchEvent(new KeyboardEvent('keydown', {key: 't', bubbles: true}));
+    const before = splatlas.state();
+    splatlas.show({select: '*:surface', camera: {azimuth: 0, elevation: 0, zoom: 1, fit: {structure: 2, zoom: 9}}});
+    await splatlas.idle();
+    press();
+    while (document.getElementById('message').textContent !== 'Names without room: 1') await new Promise(resolve => { setTimeout(resolve, 20); });
+    for (let n = 0; n < 3; ++n) press();
+    splatlas.show(before);
+    await splatlas.idle();
+  });
+}
+
 /** The large picture, the black screen, and the list of keys. */
 async function talk(visit) {
   const {page} = visit;
@@ -407,7 +422,7 @@ async function onDesk(visit, url) {
   await visit.changesBy('p');
   await visit.changes('drag', () => drag(visit));
   await visit.changes('wheel', () => page.mouse.wheel({deltaY: -200}));
-  for (const part of [search, edit, point, restore, slices]) await part(visit);
+  for (const part of [search, edit, point, restore, names, slices]) await part(visit);
   await buttonsAreInside(visit, [[1280, 720], [1920, 1080], [3840, 2160]]);
   await goBack(visit);
   await page.click('#tab-cutting');
