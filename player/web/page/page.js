@@ -111,6 +111,7 @@ class Page {
     this.#startActions();
     this.#startKeys();
     Talk.start();
+    document.querySelector('h1').replaceChildren(nameElement(document.title));
     this.#showCredits(info.provenance);
     window.addEventListener('hashchange', () => this.#followLink());
     const {select, scene} = this.#opening;

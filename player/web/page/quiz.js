@@ -113,7 +113,7 @@ class Quiz {
   }
 
   #tell(text) {
-    byId('quiz-task').textContent = text;
+    byId('quiz-task').replaceChildren(nameElement(text));
     const right = this.#rows.filter(row => row[3] === 1).length;
     byId('quiz-score').textContent = this.#rows.length === 0 ? '' : `${right} of ${this.#rows.length} right`;
     byId('quiz-next').disabled = byId('quiz-end').disabled = this.#before === null;

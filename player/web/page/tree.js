@@ -6,6 +6,9 @@ const kModeTexts = {
 };
 const kMaxFound = 200;
 const kMaxText = 4000;
+const kLongWord = /(\p{L}{10,})/u;
+// Before the consonants of a vowel, three letters from both ends
+const kBreak = /(?<=^.{3,})(?<![bcdfgkpstv](?=[hlr])|s(?=ch))(?=(?:sch|[bcdfgkpstv][hlr]|[b-df-hj-np-tv-xz])[aeiouyà-öø-ÿœ].)/iu;
 
 /** Creates an element with attributes and children; texts among them are never markup. */
 function element(name, attributes = {}, ...children) {
@@ -15,9 +18,12 @@ function element(name, attributes = {}, ...children) {
   return made;
 }
 
-/** A text from the atlas, whose direction cannot reach beyond it. Longer ones would block the page. */
+/** A text from the atlas, whose direction cannot reach beyond it. Longer ones would block the page. Long words have
+ * soft hyphens, of the style: not every browser hyphenates, and texts stay as they are. */
 function nameElement(name) {
-  return element('bdi', {}, name.length > kMaxText ? `${name.slice(0, kMaxText)}…` : name);
+  const text = name.length > kMaxText ? `${name.slice(0, kMaxText)}…` : name;
+  const parts = text.split(kLongWord).map((part, n) => (n % 2 === 0 ? [part] : part.split(kBreak)));
+  return element('bdi', {}, ...parts.flatMap(([first, ...rest]) => [first, ...rest.flatMap(part => [element('i'), part])]));
 }
 
 /** Calls the handlers {choose(index), toggle(index)}. */

@@ -271,6 +271,12 @@ async function display(visit) {
   await visit.changesBy('#perspective');
   assert(await page.$eval('#scale-bar', bar => bar.hidden));
   await visit.picture('desk_perspective');
+  assert.deepStrictEqual(await page.evaluate(() => {
+    const name = document.querySelector('h1').appendChild(nameElement('the Opercularis'));
+    const [{content}, {innerHTML, textContent}] = [getComputedStyle(name.querySelector('i'), '::before'), name];
+    name.remove();
+    return [innerHTML, textContent, content];
+  }), ['the Oper<i></i>cu<i></i>la<i></i>ris', 'the Opercularis', '"\u00ad"']);
   await page.click('#tab-about');
   await visit.picture('desk_about');
   await visit.hasNoOverflow();
