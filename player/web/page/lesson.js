@@ -4,7 +4,7 @@
 const kSceneTexts = ['name', 'question', 'caption'];
 
 /** The editor of the present scene. Calls the handlers {record(): Promise<?object>, list() and labelled(): the scenes
- * or their labels are others, show(n), save(scenes, replaces): Promise<[status, text]>, tell(text)}. */
+ * or their labels are others, show(n), save(scenes, replaces): Promise<[what, text]>, tell(text)}. */
 class Lesson {
   #model; #handlers;
   #isUnsaved = false;
@@ -94,10 +94,10 @@ class Lesson {
     if (!scenes) return;
     const wasUnsaved = this.#isUnsaved;
     this.#isUnsaved = false;
-    let [status, text] = await this.#handlers.save(scenes, false);
-    if (status === 202 && confirm(text)) [status, text] = await this.#handlers.save(scenes, true);
-    if (status !== 200) this.#isUnsaved ||= wasUnsaved;
-    if (status !== 202) this.#handlers.tell(status === 200 ? text : `The lesson is not saved: ${text}. Save it as a file.`);
+    let [what, text] = await this.#handlers.save(scenes, false);
+    if (what === 'asks' && confirm(text)) [what, text] = await this.#handlers.save(scenes, true);
+    if (what !== 'saved') this.#isUnsaved ||= wasUnsaved;
+    if (what !== 'asks') this.#handlers.tell(what === 'saved' ? text : `The lesson is not saved: ${text}. Save it as a file.`);
   }
 
   /** Changes the list of scenes; `recorded`: the one that has the picture on the screen. */

@@ -24,6 +24,7 @@
 #include <unistd.h>
 
 #include "format/result_macros.h"
+#include "format/text/json_text.h"
 #include "player/web/page_engine.h"
 
 namespace splatlas {
@@ -127,6 +128,10 @@ HttpAnswer answer_of(const PageAnswer& answer, const Picture& picture) {
   auto* const to = reinterpret_cast<std::uint8_t*>(body.data() + pixels);
   if (answer.has_picture && !to_srgba8(picture, std::span(to, picture.rgba.size()))) return {.status = 500};
   return {.type = "application/octet-stream", .body = std::move(body)};
+}
+
+HttpAnswer said(const char* what, const std::string& text) {
+  return {.type = "application/json", .body = bytes_of(json_text(Json::array({what, text}), -1))};
 }
 
 bool is_draft(const std::string& request) {
@@ -344,13 +349,13 @@ struct PageServer::Impl {
       if (!page.lesson || !open.contains(id)) return {.status = kNoPage};
     }
     const auto saved = page.lesson->save(*page.atlas, id, scenes, replaces);
-    if (!saved) return {.status = 400, .body = bytes_of(saved.error().message)};
-    if (!saved->atlas) return {.status = 202, .body = bytes_of(saved->text)};
+    if (!saved) return said("refused", saved.error().message);
+    if (!saved->atlas) return said("asks", saved->text);
     auto encoded = page.html(*saved->atlas);
     const std::scoped_lock lock(mutex);
     page.atlas = saved->atlas;
     if (encoded) html = *std::move(encoded);
-    return {.body = bytes_of(saved->text)};
+    return said("saved", saved->text);
   }
 
   void note_missing(const Frame& frame) {

@@ -69,8 +69,9 @@ struct ServedPage {
 ///   - POST /call?page=ID&worker=N: a request to the PageEngine of a worker, 0 or 1. Two numbers of 32 bits,
 ///     the status and the bytes of the text; the text; and the pixels of a picture, 8-bit sRGB. 410 once the
 ///     page is closed.
-///   - POST /lesson?page=ID[&replaces=1]: saves the scenes of an open page (LessonFile), a line of text. 202:
-///     the line asks whether to replace; 400: an error. Pages that open later have the lesson.
+///   - POST /lesson?page=ID[&replaces=1]: saves the scenes of an open page (LessonFile). JSON: "saved",
+///   "refused"
+///     or "asks", whether to replace, and a line of text. Pages that open later have the lesson.
 ///
 /// A worker has an engine of its own; all read one atlas. A draft ends what the other workers of its page
 /// draw. Limits: 64 KiB for a request without its body, 1 MiB for a body, 10 s for a pause, 400 connections.
