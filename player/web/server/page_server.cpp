@@ -26,6 +26,7 @@
 #include "format/result_macros.h"
 #include "format/text/json_text.h"
 #include "player/web/page_engine.h"
+#include "player/web/server/strangers.h"
 
 namespace splatlas {
 namespace {
@@ -194,6 +195,7 @@ struct PageServer::Impl {
   std::map<std::string, Sessions> open;  // pages by their id
   std::optional<Clock::time_point> left;
   std::string missing;
+  Strangers strangers;
   MHD_Daemon* daemon = nullptr;
 
   Impl(ServedPage given, std::string encoded, Door opened)
@@ -227,16 +229,15 @@ struct PageServer::Impl {
     daemon = MHD_start_daemon(
         MHD_USE_THREAD_PER_CONNECTION | MHD_USE_POLL_INTERNAL_THREAD, 0, nullptr, nullptr, on_request, this,
         MHD_OPTION_SOCK_ADDR, reinterpret_cast<sockaddr*>(&address), MHD_OPTION_NOTIFY_COMPLETED, on_end,
-        nullptr, MHD_OPTION_CONNECTION_MEMORY_LIMIT, kMaxHeadBytes, MHD_OPTION_CONNECTION_LIMIT,
-        kMaxConnections, MHD_OPTION_CONNECTION_TIMEOUT, kPatienceSeconds, MHD_OPTION_END);
+        nullptr, MHD_OPTION_NOTIFY_CONNECTION, Strangers::notify, &strangers,
+        MHD_OPTION_CONNECTION_MEMORY_LIMIT, kMaxHeadBytes, MHD_OPTION_CONNECTION_LIMIT, kMaxConnections,
+        MHD_OPTION_CONNECTION_TIMEOUT, kPatienceSeconds, MHD_OPTION_END);
     if (daemon != nullptr) return {};
     return fail(ErrorCode::kFailed, "port {} of 127.0.0.1: cannot be taken: {}; give another --port, or none",
                 page.port, std::strerror(errno));
   }
 
-  [[nodiscard]] std::uint16_t port() const {
-    return MHD_get_daemon_info(daemon, MHD_DAEMON_INFO_BIND_PORT)->port;
-  }
+  [[nodiscard]] auto port() const { return MHD_get_daemon_info(daemon, MHD_DAEMON_INFO_BIND_PORT)->port; }
 
   /// The first call of a request has its head, those that follow the body in pieces, and the last one
   /// nothing.
@@ -248,6 +249,7 @@ struct PageServer::Impl {
     auto*& body = reinterpret_cast<std::string*&>(*state);
     if (body == nullptr) {
       if (!impl.admits(request)) return send(connection, {.status = 403});
+      impl.strangers.remove(connection);
       body = new std::string;
       return MHD_YES;
     }

@@ -74,7 +74,8 @@ struct ServedPage {
 ///     or "asks", whether to replace, and a line of text. Pages that open later have the lesson.
 ///
 /// A worker has an engine of its own; all read one atlas. A draft ends what the other workers of its page
-/// draw. Limits: 64 KiB for a request without its body, 1 MiB for a body, 10 s for a pause, 400 connections.
+/// draw. Limits: 64 KiB for a request without its body, 1 MiB for a body, 10 s for a pause, 400 connections,
+/// 100 of them without the token: beyond these, the oldest ends.
 /// Thread-safe.
 class PageServer {
  public:

@@ -217,7 +217,7 @@ TEST_F(PageServerTest, RefusesWhatIsMalformed) {
 
 TEST_F(PageServerTest, AnswersBesideThoseThatAreSlow) {
   std::vector<std::unique_ptr<LoopbackClient>> slow;
-  for (int n = 0; n < 200; ++n) {
+  for (int n = 0; n < 450; ++n) {
     slow.push_back(std::make_unique<LoopbackClient>(port()));
     slow.back()->send("GET / HT");
   }
