@@ -17,7 +17,7 @@ namespace splatlas {
 struct Scene {
   std::string name;
   std::string caption;    ///< may have several lines
-  std::string selection;  ///< selection text (format/content/selection.h)
+  std::string selection;  ///< selection text (docs/selections.md)
   double azimuth_deg = 0, elevation_deg = 0, zoom = 1;
   std::string question = {};  ///< asked before the caption is shown; may be empty
   std::string cuts = {};      ///< of parse_cuts()

@@ -1,32 +1,4 @@
-// Selection language of the command line, scenes and the window.
-//
-//   selection := term { ("+" | "-") term }
-//   term      := target [":surface" | ":volume" | ":both"] [ "(" option { "," option } ")" ]
-//   target    := NAME | "#" label | "rest"
-//   option    := "ghost"  |  "opacity=" number in (0, 1]  |  "color=" "#rrggbb"
-//              | "profile=" ("soft" | "thin" | "hard")  |  "low=" grey value  |  "high=" grey value
-//              | "curve=" point { "/" point }
-//   point     := grey value ":" opacity from 0 to 1, at most 0.9999 [":" shade from 0 to 1]
-//   NAME      := id, name or path of a structure ("Brain/Cerebellum/Left"), or else one of its terms
-//   label     := whole number: value of the structure in the source label map
-//
-// In a NAME, "*" matches any characters, including "/". Unquoted names consist of letters, digits, non-ASCII
-// characters and _ . / * '. Other names are in double quotes; a double quote in them is doubled. So are names
-// that begin with "#", and a structure called "rest".
-//
-// "rest" stands for every structure that no other term selects or removes, wherever it stands. Where
-// structures overlap, the other terms win. It cannot be removed.
-//
-// Matching ignores the case of ASCII letters. Blanks between tokens are ignored. Terms apply from left to
-// right, each to the structures that match its NAME and to all their descendants:
-//   - An added term adds its mode (default: volume) to the current mode. "A:volume + A:surface" is "A:both",
-//     and "A:both - A:surface" is "A:volume".
-//   - Options override those of earlier terms; omitted options keep their value. A curve replaces profile,
-//     low and high; any of these replaces a curve. "ghost" makes the surfaces of its term one grey hull until
-//     the next term without it; both changes reset opacity and colour.
-//   - A new low at or above an earlier high resets that high, and vice versa.
-//   - "- NAME" and "- NAME:both" remove structures and reset their options.
-//   - "- NAME:surface" and "- NAME:volume" remove only that part. Removals have no options.
+// Selection language of the command line, scenes and the window: docs/selections.md has its grammar.
 #pragma once
 
 #include <cstdint>

@@ -83,9 +83,8 @@ std::string hash_source(std::string_view text) {
 /// Chromium takes no module workers from blob:, and compiles WebAssembly only with 'wasm-unsafe-eval'.
 std::string policy(std::string_view script, const HtmlPage& page) {
   return fmt::format(
-      "default-src 'none'; script-src {}{}; worker-src blob:; style-src {}; img-src data:; {}base-uri "
-      "'none'; "
-      "form-action 'none'",
+      "default-src 'none'; script-src {}{}; worker-src blob:; style-src {}; img-src data:; {}"
+      "base-uri 'none'; form-action 'none'",
       hash_source(script), page.is_served ? "" : " 'wasm-unsafe-eval'", hash_source(page_style()),
       page.is_served || !page.url.empty() ? "connect-src 'self'; " : "");
 }

@@ -57,31 +57,8 @@ class PageEngine {
   void open(std::shared_ptr<const Atlas> atlas);
 
   /// Answers a request, a JSON object {"call": NAME, ...}, and `bytes` for "open" and "give". Errors keep the
-  /// selection. Never throws. Requests with their answers; see page_state_of() for a state:
-  ///
-  ///   - open: opens the atlas in `bytes`. ""
-  ///   - openRemote {size}: opens an atlas of that many bytes on a server; fails until "give" has brought
-  ///   what
-  ///     "wanted" names. ""
-  ///   - wanted: the ranges that calls have missed since: [[offset, bytes], ...]. After a picture that wanted
-  ///     some, give them and draw again.
-  ///   - give {offset}: adds `bytes` as a piece of the file. ""
-  ///   - info: the document of `splatlas-player info --json`.
-  ///   - select {select}: selects by a text (format/content/selection.h). An array of warnings.
-  ///   - fit {state}: the camera that shows the selection, or its part in a structure.
-  ///   - draw {state}: draws. {camera, missing, ms, warnings}, and with the first picture of a selection
-  ///     drawn: [["surface", 0.4, "#c0392b"], ["off"], ...] by structure; the default opacity is null.
-  ///     With palette "distinct" also colors: ["#eebb00", ...] by structure.
-  ///   - pick {at}: the structure at [x, y] of the latest picture, and its point; or null.
-  ///   - light {structure}: where the latest picture shows a structure or its descendants: a string of 0 and
-  ///   1
-  ///     for every fourth row, with a digit for every fourth column.
-  ///   - slice {axis, index}: see PageSlices::slice().
-  ///   - labels {glyphs: {letter: width in em}, dpi, background: "#rrggbb", labels: [name, ...]}: names for
-  ///     the latest picture, as on a printed page (annotate_picture()); without labels, of what is no ghost.
-  ///     {lines: [[x0, y0, x1, y1, width, color, casing, casing color], ...], dots: [[x, y, radius, color,
-  ///     casing, casing color], ...], texts: [[text, x, baseline, size, color], ...]}, in pixels, and
-  ///     unlabelled: names without room.
+  /// selection. Never throws. splatlas.js has the calls with their requests and answers. A picture does not
+  /// stand in the answer: see frame().
   [[nodiscard]] PageAnswer call(std::string_view request, std::vector<std::byte> bytes = {},
                                 const RenderControl& control = {});
 

@@ -1,11 +1,5 @@
 // Loads splatlas.wasm, and class Splatlas: an atlas with one selection and picture. A plain script without
 // dependencies for windows, workers (importScripts) and Node (require); assigns globalThis.Splatlas.
-//
-//   const splatlas = await Splatlas.load(bytesOfModule);
-//   splatlas.open(bytesOfAtlas);
-//   const state = {select: 'Brain:surface', size: [512, 512], camera: {azimuth: 30, fit: {}}};
-//   const {width, height, data} = splatlas.draw(state);  // new ImageData(data, width, height)
-//
 // Calls are synchronous. They throw Splatlas.Error with a message of one line and a code: 'failed', 'usage',
 // 'invalid-atlas', 'not-found', 'limit' or 'cancelled'. The module then keeps its state. After any other exception,
 // such as a trap, load the module anew.
@@ -137,11 +131,7 @@ class Splatlas {
   /** Adds a piece of the file. @param {Uint8Array} bytes */
   give(offset, bytes) { this.#call('give', {offset}, bytes); }
 
-  /** What the atlas holds: the document of `splatlas-player info --json`. `structures` are in the order of their
-   * indices, with id, name, parents (ids), color, voxels, triangles and terms (synonyms, languages, codes); `scenes`
-   * have name, question, caption, select, azimuth, elevation, zoom, projection, cuts, labels and center; `views` name, azimuth and
-   * elevation; `display` the window of grey values and the bounding sphere; `provenance` title, citation and licence.
-   * @returns {object} */
+  /** What the atlas holds: the document of `splatlas-player info --json`, see docs/web.md. @returns {object} */
   info() { return this.#call('info'); }
 
   /** Selects structures, as `splatlas-player render --select`. An error keeps the selection.
@@ -149,23 +139,8 @@ class Splatlas {
    * @returns {string[]} warnings about terms without effect */
   select(text) { return this.#call('select', {select: text}); }
 
-  /** Renders a state.
-   * @param {object} state
-   *   select: a text as of `splatlas-player render --select`; none: the selection stays;
-   *   palette: colours of structures, 'atlas' (default) or 'distinct' between neighbours;
-   *   size: [width, height] in pixels;
-   *   quality: 'draft', 'normal' (default) or 'high';
-   *   camera: azimuth and elevation in degrees, zoom (1: the atlas fills the picture), center in LPS mm (none: that of the
-   *     atlas), projection 'parallel' or 'perspective', fieldOfView in degrees. With `fit`, {structure, zoom, center,
-   *     size}, it is fitted to the selection or to the part in a structure (an index, with its descendants), and then
-   *     zoomed; center and size take the place of those of the fit and of the state;
-   *   cuts: at most six {normal, offset}, each of which removes the points p with normal.p > offset, in LPS mm;
-   *   caps: faces of cuts, 'values', 'labels', 'both' (default) or 'none'; depthCue: darken what is behind (false);
-   *   shading: light boundary voxels (true); draftBudget: ms for a draft, 0 (default) for any
-   * @returns {{width: number, height: number, data: Uint8ClampedArray, missing: string[]}} sRGB with straight alpha, as
-   *   ImageData; `missing` tells what a damaged atlas lacks; with the camera and ms, and for the first picture of a selection
-   *   with warnings and `drawn`, by the index of structures: ['surface', 0.4, '#c0392b'], ['ghost', null, ...] or
-   *   ['off']; the opacity is null where it is the default; for 'distinct', `colors` of all structures */
+  /** Renders a state. docs/web.md has its keys, and those of the picture. @param {object} state
+   * @returns {{width: number, height: number, data: Uint8ClampedArray, missing: string[]}} as ImageData */
   draw(state) {
     this.#values = 0;
     const answer = this.#call('draw', state);

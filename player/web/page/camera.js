@@ -19,8 +19,7 @@ function sides({azimuth, elevation}) {
 }
 
 return {
-  kMinZoom,
-  kMaxZoom,
+  kMinZoom, kMaxZoom,
 
   isPerspective(camera) { return camera.projection === 'perspective'; },
 

@@ -139,9 +139,8 @@ class Engine {
 
   /** Saves scenes into the atlas. @returns {[string, string]} 'saved', 'refused' or 'asks', and a line of text */
   save(scenes, replaces) {
-    const address = `${this.#lessons}${replaces ? '&replaces=1' : ''}`;
-    return fetch(address, {method: 'POST', body: JSON.stringify(scenes)}).then(answer => answer.json()).catch(
-      () => ['refused', 'the player does not answer']);
+    return fetch(`${this.#lessons}${replaces ? '&replaces=1' : ''}`, {method: 'POST', body: JSON.stringify(scenes)}).then(
+      answer => answer.json()).catch(() => ['refused', 'the player does not answer']);
   }
 
   /** Whether the finished picture of the latest state has come. */

@@ -62,21 +62,9 @@ struct ServedPage {
   std::optional<LessonFile> lesson = std::nullopt;  ///< none: lessons are not saved
 };
 
-/// A server on 127.0.0.1 behind a Door:
-///
-///   - GET /: the page.
-///   - GET /alive?page=ID: a stream; the page is open as long as it is.
-///   - POST /call?page=ID&worker=N: a request to the PageEngine of a worker, 0 or 1. Two numbers of 32 bits,
-///     the status and the bytes of the text; the text; and the pixels of a picture, 8-bit sRGB. 410 once the
-///     page is closed.
-///   - POST /lesson?page=ID[&replaces=1]: saves the scenes of an open page (LessonFile). JSON: "saved",
-///   "refused"
-///     or "asks", whether to replace, and a line of text. Pages that open later have the lesson.
-///
-/// A worker has an engine of its own; all read one atlas. A draft ends what the other workers of its page
-/// draw. Limits: 64 KiB for a request without its body, 1 MiB for a body, 10 s for a pause, 400 connections,
-/// 100 of them without the token: beyond these, the oldest ends.
-/// Thread-safe.
+/// A server on 127.0.0.1 behind a Door; docs/web.md has its addresses. A worker has an engine of its own; all
+/// read one atlas. A draft ends what the other workers of its page draw. Limits: 64 KiB for a request without
+/// its body, 1 MiB for a body, 10 s for a pause, 400 connections, 100 of them without the token. Thread-safe.
 class PageServer {
  public:
   /// kFailed with the port and the reason. Errors of Door::create() and of the page.

@@ -1,7 +1,6 @@
 // Connections that have not shown the token.
 #pragma once
 
-#include <cstddef>
 #include <deque>
 #include <mutex>
 
@@ -10,21 +9,17 @@
 
 namespace splatlas {
 
-/// Sockets of clients that have not been admitted. Beyond kMost the oldest one is shut down: those that send
-/// slowly leave room for the page. Thread-safe.
+/// Of more than kMost, the oldest is shut down: those that send slowly leave room for the page. Thread-safe.
 class Strangers {
  public:
-  static constexpr std::size_t kMost = 100;
-
-  /// Of MHD_OPTION_NOTIFY_CONNECTION, whose closure is a Strangers.
+  /// For MHD_OPTION_NOTIFY_CONNECTION, with a Strangers. A socket is removed before it is closed.
   static void notify(void* closure, MHD_Connection* connection, void** /*context*/,
                      MHD_ConnectionNotificationCode code) {
     auto& strangers = *static_cast<Strangers*>(closure);
-    if (code == MHD_CONNECTION_NOTIFY_CLOSED)
-      return strangers.remove(connection);  // before its socket is closed
+    if (code == MHD_CONNECTION_NOTIFY_CLOSED) return strangers.remove(connection);
     const std::scoped_lock lock(strangers.mutex_);
     strangers.sockets_.push_back(socket_of(connection));
-    if (strangers.sockets_.size() <= kMost) return;
+    if (std::ssize(strangers.sockets_) <= kMost) return;
     shutdown(strangers.sockets_.front(), SHUT_RDWR);
     strangers.sockets_.pop_front();
   }
@@ -39,6 +34,7 @@ class Strangers {
     return MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD)->connect_fd;
   }
 
+  static constexpr int kMost = 100;
   std::mutex mutex_;
   std::deque<MHD_socket> sockets_;
 };
