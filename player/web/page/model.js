@@ -136,12 +136,10 @@ class Model {
 
   /** The scenes were `before`: the state and all steps take their new numbers. */
   renumber(before) {
-    const renumbered = state => {
-      const scene = this.info.scenes.indexOf(before[state.scene]);
-      return scene < 0 ? {...state, scene: null, isAsking: false} : {...state, scene};
-    };
-    for (const step of [...this.#undo, ...this.#redo]) step.state = renumbered(step.state);
-    this.state = renumbered(this.state);
+    for (const each of [this, ...this.#undo, ...this.#redo]) {
+      const scene = this.info.scenes.indexOf(before[each.state.scene]);
+      each.state = {...each.state, ...(scene < 0 ? {scene: null, isAsking: false} : {scene})};
+    }
   }
 
   /** True if the selection is not that of the present scene, or if there is no scene. */
@@ -260,8 +258,8 @@ class Model {
 
   /**
    * Indices of the structures with every word of the text in their names, ids and terms, best first; null for a blank
-   * text. Single letters are words, or begin some. Where none fits, endings do not count, then not one wrong letter in a
-   * word. Without any, `areNearest` is true.
+   * text. Single letters are words, or begin some. Where none fits, endings do not count, then not one wrong letter in
+   * a word. Without any, `areNearest` is true.
    */
   search(text) {
     const phrase = Model.folded(text).trim();
