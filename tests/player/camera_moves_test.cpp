@@ -29,8 +29,7 @@ TEST(CameraMovesTest, WhatFacesTheViewerFollowsTheDrag) {
   const PicturePoint before = place(Camera{});
   EXPECT_GT(place(turned_by_drag(Camera{}, 20, 0, kSize)).x, before.x + 3);  // a mm is 2.9 pixels
   EXPECT_GT(place(turned_by_drag(Camera{}, 0, 20, kSize)).y, before.y + 3);
-  EXPECT_DOUBLE_EQ(turned_by_drag(Camera{}, 480, 0, kSize).azimuth_deg,
-                   180);  // half a turn per picture width
+  EXPECT_DOUBLE_EQ(turned_by_drag(Camera{}, 480, 0, kSize).azimuth_deg, 180);  // a side of the picture
 }
 
 TEST(CameraMovesTest, ZoomingKeepsWhatIsUnderThePointer) {

@@ -51,4 +51,17 @@ inline void expect_near(const std::vector<reference::VoxelOptics>& ours,
   }
 }
 
+/// Compares the middle of the lit slab() in blocks of two voxels: normals of its rim bend.
+inline void expect_lit(const std::vector<reference::VoxelOptics>& ours,
+                       const std::vector<reference::VoxelOptics>& expected) {
+  const Grid coarse = coarse_grid(slab().grid, 1);
+  std::uint64_t lit = 0;
+  for (std::int64_t k = 0; k < coarse.size[2]; ++k) {
+    const auto n = static_cast<std::size_t>(coarse.offset(8, 8, k));
+    ASSERT_NEAR(ours[n].emission[0], expected[n].emission[0], 1e-4 * expected[n].extinction) << k;
+    if (expected[n].emission[0] < 0.999 * expected[n].extinction) ++lit;
+  }
+  EXPECT_GE(lit, 2u);
+}
+
 }  // namespace splatlas

@@ -83,10 +83,5 @@ TEST(GreyAppearance, IsTheTransferFunctionInExtinctions) {
   EXPECT_DOUBLE_EQ(hard.at(91).extinction_per_mm, std::log(2.0) / 2);
 }
 
-TEST(GreyAppearance, LeavesTheBackgroundClear) {
-  const StructureDraw draw{.mode = DrawMode::kVolume, .opacity = 0.5f, .color = {255, 255, 255}};
-  EXPECT_FALSE(grey_appearance(draw, {.window_low = -3, .window_high = 140}, 2.0));
-}
-
 }  // namespace
 }  // namespace splatlas::reference

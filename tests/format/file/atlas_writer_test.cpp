@@ -48,11 +48,6 @@ RC_GTEST_PROP(AtlasWriter, RewritesWhatWasReadToTheSameBytes, ()) {
   RC_ASSERT(encode_atlas(read, options).value() == bytes);
 }
 
-TEST(AtlasWriter, LevelTradesTimeForSize) {
-  const AtlasContent& content = large_content();
-  EXPECT_LT(encode_atlas(content, {.level = 16})->size(), encode_atlas(content, {.level = 1})->size());
-}
-
 TEST(AtlasWriter, CompactLeavesOutTheRunModelsOfXAndY) {
   const AtlasContent& content = large_content();
   const auto atlas = *Atlas::open_bytes(*encode_atlas(content, {.level = 1, .compact = true}));

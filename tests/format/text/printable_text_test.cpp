@@ -23,9 +23,5 @@ TEST(PrintableText, OfLayoutKeepsLineFeedsAndTabsOnly) {
   EXPECT_EQ(PrintableText::of_layout("a\n\tb\x1b\xff").text(), "a\n\tb?\\xff");
 }
 
-TEST(PrintableText, FormatStringsInPiecesAreText) {
-  EXPECT_EQ(PrintableText("{}", "{} {{").text(), "{} {{");
-}
-
 }  // namespace
 }  // namespace splatlas

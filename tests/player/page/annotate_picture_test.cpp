@@ -138,6 +138,7 @@ TEST(AnnotatePicture, FindsRoomBesideTheRegionOfItsFigure) {
 TEST(AnnotatePicture, LeavesThePictureToStructuresWithoutItems) {
   const DiscScene discs = random_discs(1);
   EXPECT_EQ(region_of_figure(discs.annotated(), {}, fixed_width), PictureRegion());
+  EXPECT_TRUE(annotated(discs.annotated(), {}).texts.empty());
   // A tiny picture keeps a fifth of its sides
   const Picture tiny{{20, 20}, {}};
   const AnnotatedScene scene{tiny, discs.annotated().view, Rgb{0, 0, 0}, discs.annotated().structures};
@@ -149,18 +150,6 @@ TEST(AnnotatePicture, LeavesThePictureToStructuresWithoutItems) {
   EXPECT_LE(region.bottom, 1);
   EXPECT_NEAR(region.right - region.left, 0.2, 1e-12);
   EXPECT_NEAR(region.bottom - region.top, 0.2, 1e-12);
-}
-
-TEST(AnnotatePicture, EndsLeadersInTheirStructures) {
-  const DiscScene discs = random_discs(7);
-  const AnnotatedScene scene = discs.annotated();
-  const AnnotationLayer layer = annotated(scene, {.items = {.labels = true}});
-  for (const NamedStructure& one : scene.structures) {
-    const auto x = static_cast<std::size_t>(one.visible.anchor.x),
-               y = static_cast<std::size_t>(one.visible.anchor.y);
-    EXPECT_EQ(discs.grid.ids[y * static_cast<std::size_t>(discs.grid.columns) + x], one.visible.structure);
-  }
-  EXPECT_GT(layer.labels, 0u);
 }
 
 TEST(AnnotatePicture, PlacesLabelsBesideTheirStructures) {
@@ -306,12 +295,6 @@ TEST(AnnotatePicture, RefusesPicturesThatAreTooSmall) {
   discs.add(0, 30, 20, 5);
   EXPECT_THAT(annotate_picture(discs.annotated(), {kAllItems, 40, "Caption", "Citation"}, fixed_width),
               FailsWith(ErrorCode::kUsage, HasSubstr("picture size 60x40: too small")));
-}
-
-TEST(AnnotatePicture, DoesNothingWithoutItems) {
-  const DiscScene discs({60, 40});
-  const AnnotationLayer layer = annotated(discs.annotated(), {});
-  EXPECT_TRUE(layer.texts.empty() && layer.lines.empty() && layer.boxes.empty());
 }
 
 /// Words of hostile files have any length.

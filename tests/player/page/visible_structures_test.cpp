@@ -75,35 +75,28 @@ TEST(WrapText, BreaksAtBlanksAndInLongWords) {
 }
 
 TEST(ScaleBar, HasStepsOfOneTwoAndFive) {
-  EXPECT_EQ(scale_bar_mm(49.9), 20);
-  EXPECT_EQ(scale_bar_mm(50), 50);
-  EXPECT_EQ(scale_bar_mm(100), 100);
-  EXPECT_EQ(scale_bar_mm(1.7), 1);
-  EXPECT_EQ(scale_bar_mm(0.7), 0.5);
-  EXPECT_EQ(scale_bar_mm(0.0021), 0.002);
-  EXPECT_EQ(scale_bar_mm(0), 0);
-  EXPECT_EQ(scale_bar_mm(-1), 0);
+  for (const auto& [most, length] :
+       {std::pair(49.9, 20.0), {50, 50}, {100, 100}, {1.7, 1}, {0.7, 0.5}, {0.0021, 0.002}, {0, 0}, {-1, 0}})
+    EXPECT_EQ(scale_bar_mm(most), length);
 }
 
 TEST(DirectionLetters, FollowTheCompass) {
-  EXPECT_EQ(direction_letters({1, 0, 0}), "L");
-  EXPECT_EQ(direction_letters({-1, 0, 0}), "R");
-  EXPECT_EQ(direction_letters({0, 1, 0}), "P");
-  EXPECT_EQ(direction_letters({0, -1, 0}), "A");
-  EXPECT_EQ(direction_letters({0, 0, 1}), "S");
-  EXPECT_EQ(direction_letters({0, 0, -1}), "I");
-  EXPECT_EQ(direction_letters({0.8, -0.6, 0}), "LA");
-  EXPECT_EQ(direction_letters({0.6, -0.8, 0}), "AL");
+  for (const auto& [direction, letters] : {std::pair<Vec3, const char*>{{1, 0, 0}, "L"},
+                                           {{-1, 0, 0}, "R"},
+                                           {{0, 1, 0}, "P"},
+                                           {{0, -1, 0}, "A"},
+                                           {{0, 0, 1}, "S"},
+                                           {{0, 0, -1}, "I"},
+                                           {{0.8, -0.6, 0}, "LA"},
+                                           {{0.6, -0.8, 0}, "AL"}})
+    EXPECT_EQ(direction_letters(direction), letters);
   const double near = std::sin(20 * 3.14159265358979 / 180);
   EXPECT_EQ(direction_letters({near, 0, std::sqrt(1 - near * near)}), "S");
   const auto oblique = [](double degrees) {
     const double angle = degrees * 3.14159265358979 / 180;
     return direction_letters({std::cos(angle), -std::sin(angle), 0});
   };
-  EXPECT_EQ(oblique(22), "L");
-  EXPECT_EQ(oblique(23), "LA");
-  EXPECT_EQ(oblique(67), "AL");
-  EXPECT_EQ(oblique(68), "A");
+  EXPECT_EQ(oblique(22) + " " + oblique(23) + " " + oblique(67) + " " + oblique(68), "L LA AL A");
   EXPECT_EQ(direction_letters({0.57735, 0.57735, 0.57735}), "LPS");
 }
 

@@ -70,9 +70,5 @@ TEST(ProgressDisplay, JsonTellsEveryFractionOnce) {
           {"segment", 0}, {"segment", 0.5}, {"segment", 1}, {"write", 0}, {"write", 0.5}, {"write", 1}}));
 }
 
-TEST(ProgressDisplay, NoneIsSilent) {
-  EXPECT_EQ(shown(ProgressMode::kNone), "");
-}
-
 }  // namespace
 }  // namespace splatlas
