@@ -43,23 +43,6 @@ struct ClipDepths {
   double from = -std::numeric_limits<double>::infinity(), to = std::numeric_limits<double>::infinity();
 };
 
-/// Positions along a scanline that no plane removes by more than `margin(plane)` voxels.
-template <typename Margin>
-[[nodiscard]] ClipDepths kept_scan(std::span<const VoxelPlane> planes, const ScanOrder& order,
-                                   std::int64_t slice, std::int64_t row, const Margin& margin) {
-  Vec3 start{};
-  start[order.slice_axis] = static_cast<double>(slice);
-  start[order.row_axis] = static_cast<double>(row);
-  ClipDepths kept;
-  for (const VoxelPlane& plane : planes) {
-    const double at = plane.distance(start) - margin(plane), per_voxel = plane.normal[order.scan_axis];
-    if (per_voxel > 0) kept.to = std::min(kept.to, -at / per_voxel);
-    if (per_voxel < 0) kept.from = std::max(kept.from, -at / per_voxel);
-    if (per_voxel == 0 && at > 0) kept.to = -std::numeric_limits<double>::infinity();
-  }
-  return kept;
-}
-
 /// Clips the rays of a view. Thread-safe. Rays are start + t * direction: t is the depth in mm in a parallel
 /// view. In perspective, t is 0 at the eye and 1 in the plane through the view's centre.
 class CutRays {

@@ -28,11 +28,20 @@ struct ReachedVoxels {
 /// Voxels of a scanline that the kept part of a cut reaches, by interpolation.
 ReachedVoxels reached_voxels(std::span<const VoxelPlane> planes, const ScanOrder& order, std::int64_t slice,
                              std::int64_t row) {
-  const ClipDepths kept = kept_scan(planes, order, slice, row, [](const VoxelPlane& plane) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Vec3 start{};
+  start[order.slice_axis] = static_cast<double>(slice);
+  start[order.row_axis] = static_cast<double>(row);
+  double from = -kInfinity, to = kInfinity;
+  for (const VoxelPlane& plane : planes) {
     const Vec3& n = plane.normal;
-    return kVolumeReach * (std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]));
-  });
-  return {std::ceil(kept.from), std::floor(kept.to)};
+    const double reach = kVolumeReach * (std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]));
+    const double at = plane.distance(start) - reach, per_voxel = n[order.scan_axis];
+    if (per_voxel > 0) to = std::min(to, -at / per_voxel);
+    if (per_voxel < 0) from = std::max(from, -at / per_voxel);
+    if (per_voxel == 0 && at > 0) to = -kInfinity;
+  }
+  return {std::ceil(from), std::floor(to)};
 }
 
 /// Extents of the centres of a slice's kept voxels. Only the ends of a scanline matter.

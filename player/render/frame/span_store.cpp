@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -14,11 +13,6 @@ namespace {
 
 /// Time to build spans, per voxel and thread, and the longest that a draft waits if there are blocks.
 constexpr double kBuildMsPerVoxel = 40e-6, kMaxBuildMs = 130;
-
-/// Of SheetSpans.
-std::vector<float> factors_of(const Lighting& lighting, bool shade) {
-  return shade ? lighting.table() : std::vector<float>();
-}
 
 /// Voxels of a volume with means in the file.
 double stored_means(const SpanSource& source) {
@@ -36,16 +30,16 @@ std::uint64_t memory_left(std::uint64_t max_memory_bytes, std::uint64_t used) {
   return std::max(all - std::min(used, all), all / 8);
 }
 
-void AxisSpans::require(const SpanSource& source, SelectedRuns runs, ThreadPool& pool) {
+void AxisSpans::require(const SpanSource& source, SelectedRuns selected, ThreadPool& pool) {
   const auto& [plan, appearances, selection, atlas, cache, shade] = source;
   if (current(shade)) return;
-  // If an allocation throws, no incomplete spans remain marked as current.
-  runs_.reset();
-  SpanBuilder spans = std::exchange(spans_, {});
-  spans.build({runs, plan, appearances, atlas->classes(), atlas->grid(), cache, shade}, pool);
-  spans_ = std::move(spans);
-  runs_.emplace(std::move(runs));
-  has_lights_ = shade;
+  // If an allocation throws, no incomplete spans remain
+  runs.reset();
+  SpanBuilder built = std::exchange(spans, {});
+  built.build({selected, plan, appearances, atlas->classes(), atlas->grid(), cache, shade}, pool);
+  spans = std::move(built);
+  runs.emplace(std::move(selected));
+  has_lights = shade;
 }
 
 SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& view, const Shear& shear,
@@ -79,7 +73,7 @@ SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& vie
     stats.select_ms += stats.traversal.wall_ms;
     return {std::move(spans), of_spans, grid, detail};
   };
-  const std::vector<float> factors = factors_of(lighting, shade);
+  const std::vector<float> factors = shade ? lighting.table() : std::vector<float>();
   if (!stats.strips) blocks_.reset();
   if (detail.level > 0) {
     if (!has_means) {
@@ -87,7 +81,7 @@ SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& vie
       if (!spans) spans.emplace();
       spans->require(source, std::move(runs), pool);
       latest_ = axis;
-      means_.emplace(spans->model(), shade, detail.level, pool);
+      means_.emplace(spans->spans.model(), shade, detail.level, pool);
     }
     const Grid of_means = coarse_grid(atlas->grid(), detail.level);
     return volume_of(SheetSpans(means_->model(), factors), factorise(view, of_means, &axis), of_means);
@@ -100,7 +94,7 @@ SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& vie
   strip_.reset();
   if (!spans) spans.emplace();
   spans->require(source, std::move(runs), pool);
-  return volume_of(SheetSpans(spans->model(), factors), shear, atlas->grid());
+  return volume_of(SheetSpans(spans->spans.model(), factors), shear, atlas->grid());
 }
 
 SheetSpans SpanStore::in_strips(const SpanSource& source, SelectedRuns runs, std::vector<float> factors,
@@ -111,13 +105,13 @@ SheetSpans SpanStore::in_strips(const SpanSource& source, SelectedRuns runs, std
       source.cache, source.shade};
   strip_frame_ = empty_model(request);
   strip_frame_.voxels = source.plan.volume_voxels + source.plan.hybrid_voxels;
-  return {strip_frame_, std::move(factors), static_cast<std::size_t>(strips),
-          [this, request, &pool](const SheetStrip& strip) -> const SpanModel& {
-            SpanRequest of_strip = request;
-            of_strip.strip.emplace(strip);
-            strip_.emplace().build(of_strip, pool);
-            return strip_->model();
-          }};
+  return SheetSpans(strip_frame_, std::move(factors), static_cast<std::size_t>(strips),
+                    [this, request, &pool](const SheetStrip& strip) -> const SpanModel& {
+                      SpanRequest of_strip = request;
+                      of_strip.strip.emplace(strip);
+                      strip_.emplace().build(of_strip, pool);
+                      return strip_->model();
+                    });
 }
 
 void SpanStore::make_room(Axis axis, std::uint64_t bytes, std::uint64_t max_bytes) {
@@ -147,7 +141,7 @@ SheetVolume SpanStore::prepare_blocks(const ParallelView& view, Axis axis, bool 
   stats.level = kMeanLevel;
   stats.strips = false;
   const Grid& grid = blocks_->grid();
-  return {SheetSpans(blocks_->model(), factors_of(lighting, shade)),
+  return {SheetSpans(blocks_->model(), shade ? lighting.table() : std::vector<float>()),
           factorise(view, grid, &axis),
           grid,
           {kMeanLevel, 1}};
@@ -166,7 +160,7 @@ void SpanStore::outdate() {
     std::optional<AxisSpans>& spans = spans_[static_cast<std::size_t>(axis)];
     if (!spans) continue;
     if (axis == latest_) {
-      spans->outdate();
+      spans->runs.reset();
     } else {
       spans.reset();
     }
@@ -181,7 +175,7 @@ void SpanStore::clear() {
 const SelectedRuns* SpanStore::runs(Axis axis) const {
   if (strip_runs_ && strip_runs_->axis() == axis) return &*strip_runs_;
   const std::optional<AxisSpans>& spans = spans_[static_cast<std::size_t>(axis)];
-  return spans && spans->current(false) ? &spans->runs() : nullptr;
+  return spans && spans->current(false) ? &*spans->runs : nullptr;
 }
 
 }  // namespace splatlas

@@ -6,7 +6,6 @@
 #include <memory>
 #include <optional>
 
-#include "format/content/cut_planes.h"
 #include "player/camera.h"
 #include "player/render/frame/draft_pace.h"
 #include "player/render/sheets/spans/build_spans.h"
@@ -39,23 +38,15 @@ struct SheetVolume {
 };
 
 /// Spans of the current or an earlier selection. Not thread-safe.
-class AxisSpans {
- public:
+struct AxisSpans {
+  std::optional<SelectedRuns> runs;  ///< none: of an earlier selection
+  SpanBuilder spans;
+  bool has_lights = false;
+
   /// True if the spans are those of the current selection; with `shade`, also if lights are listed.
-  [[nodiscard]] bool current(bool shade) const { return runs_ && (has_lights_ || !shade); }
-  /// Marks the spans as those of an earlier selection.
-  void outdate() { runs_.reset(); }
-  /// Makes the spans current. `runs`: the selected ones. Throws std::bad_alloc.
-  void require(const SpanSource& source, SelectedRuns runs, ThreadPool& pool);
-
-  /// The selected runs, while the spans are current.
-  [[nodiscard]] const SelectedRuns& runs() const { return *runs_; }
-  [[nodiscard]] const SpanModel& model() const { return spans_.model(); }
-
- private:
-  std::optional<SelectedRuns> runs_;
-  SpanBuilder spans_;
-  bool has_lights_ = false;
+  [[nodiscard]] bool current(bool shade) const { return runs && (has_lights || !shade); }
+  /// Makes the spans current. Throws std::bad_alloc.
+  void require(const SpanSource& source, SelectedRuns selected, ThreadPool& pool);
 };
 
 /// Cache of spans by axis. Keeps the spans of the latest axis after a change of selection, and reuses their

@@ -6,29 +6,26 @@
 #include <utility>
 
 namespace splatlas {
-namespace {
 
-constexpr auto kLeast = std::numeric_limits<std::int64_t>::min();
-constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
-
-}  // namespace
-
-const ShownRows& LitSlices::rows(const SliceSpans& slice, double reach, std::size_t place) {
+const ShownRows* LitSlices::rows(const SliceSpans* slice, double reach, std::int64_t n) {
   static thread_local std::array<SliceSpans, 2> lit;  // reuses memory
+  if (slice == nullptr) return nullptr;
+  const auto place = static_cast<std::size_t>(n & 1);
   ShownRows& shown = shown_[place];
-  if (std::exchange(unlit_[place], &slice) == &slice) return shown;
-  shown.slice = &slice;
+  if (std::exchange(unlit_[place], slice) == slice) return &shown;
+  shown.slice = slice;
   shown.hidden.clear();
-  if (slice.lights.empty() || factors_.empty()) return shown;
+  if (slice->lights.empty() || factors_.empty()) return &shown;
   shown.slice = &lit[place];
-  find_hidden(static_cast<double>(slice.number), reach, shown);
-  light_rows(slice, shown.rows, shown.hidden, factors_, lit[place]);
-  return shown;
+  find_hidden(static_cast<double>(slice->number), reach, shown);
+  light_rows(*slice, shown.rows, shown.hidden, factors_, lit[place]);
+  return &shown;
 }
 
 /// Finds the rows, and their blocks whose pixels are known to be opaque but for the last one, which supplies
 /// the carry of the next.
 void LitSlices::find_hidden(double k, double reach, ShownRows& shown) {
+  constexpr Blocks kAll{std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max()};
   const std::int64_t scale = window_.scale;
   const SliceRows first(shear_, window_, k - reach), last(shear_, window_, k + reach);
   shown.rows = rows_of_band(first, scale, band_);
@@ -42,7 +39,7 @@ void LitSlices::find_hidden(double k, double reach, ShownRows& shown) {
   opaque_.clear();
   bool any = false;
   for (std::int64_t row = band_.first_fine_row(); row < band_.last_fine_row(); ++row) {
-    Blocks& of_row = opaque_.emplace_back(Blocks{kLeast, kMost});
+    Blocks& of_row = opaque_.emplace_back(kAll);
     for (std::int64_t phase = 0; phase < scale && of_row.first < of_row.last; ++phase) {
       const OpaquePixels& opaque = band_.opaque(row, phase);
       of_row.first = std::max(of_row.first, (opaque.first - min_shift + kBlock - 1) >> kBlockBits);
@@ -56,7 +53,7 @@ void LitSlices::find_hidden(double k, double reach, ShownRows& shown) {
   for (std::int64_t row = shown.rows.first; row < shown.rows.last; ++row) {
     const std::int64_t from = std::min(first.fine_row(row - 1, 0), last.fine_row(row - 1, 0));
     const std::int64_t to = std::max(first.fine_row(row + 1, 0), last.fine_row(row + 1, 0));
-    Blocks hidden{kLeast, kMost};
+    Blocks hidden = kAll;
     for (std::int64_t n = std::max(from, band_.first_fine_row()); n < std::min(to, band_.last_fine_row());
          ++n) {
       const Blocks& opaque = opaque_[static_cast<std::size_t>(n - band_.first_fine_row())];

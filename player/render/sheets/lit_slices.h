@@ -2,7 +2,7 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -26,9 +26,9 @@ class LitSlices {
             const BandImage& band)
       : shear_(shear), window_(window), factors_(factors), band_(band) {}
 
-  /// Rows of a slice for slabs up to `reach` slices away. Valid until the next call for another slice with
-  /// the same `place`, 0 or 1. Cost: a copy of the blocks.
-  [[nodiscard]] const ShownRows& rows(const SliceSpans& slice, double reach, std::size_t place);
+  /// Rows of the n-th slice for slabs up to `reach` slices away; null for null. Valid until the call for
+  /// slice n + 2. Cost: a copy of the blocks.
+  [[nodiscard]] const ShownRows* rows(const SliceSpans* slice, double reach, std::int64_t n);
 
  private:
   void find_hidden(double k, double reach, ShownRows& shown);

@@ -48,7 +48,7 @@ class Band {
       check_task();
       if (pass_.window.parts == 1) {  // slabs around slices
         const auto k = static_cast<double>(slice.number);
-        if (!removes(k)) render_slab({*slices_.rows(slice, 0, 0).slice, k, {pass_.shear, pass_.window, k}});
+        if (!removes(k)) render_slab({*slices_.rows(&slice, 0, 0)->slice, k, {pass_.shear, pass_.window, k}});
         continue;
       }
       const std::int64_t n = from_viewer(slice.number - pass_.model.slice_first);
@@ -81,12 +81,8 @@ class Band {
   /// Renders the interpolated slabs between slice n and the next one.
   void render_between(std::int64_t n) {
     static thread_local SliceSpans mixed;
-    const auto shown = [&](std::int64_t number) -> const ShownRows* {
-      const SliceSpans* const of_number = slice(number);
-      if (of_number == nullptr) return nullptr;
-      return &slices_.rows(*of_number, 1 - 0.5 / pass_.window.parts, static_cast<std::size_t>(number & 1));
-    };
-    SlicePair pair{shown(n), shown(n + 1), 0};
+    const double reach = 1 - 0.5 / pass_.window.parts;
+    SlicePair pair{slices_.rows(slice(n), reach, n), slices_.rows(slice(n + 1), reach, n + 1), 0};
     if (pair.before == nullptr && pair.behind == nullptr) return;
     for (int part = 0; part < pass_.window.parts; ++part) {
       const double middle = (part + 0.5) / pass_.window.parts;

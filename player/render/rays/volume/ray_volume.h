@@ -21,12 +21,35 @@
 #include "player/render/decode/selected_runs.h"
 #include "player/render/light/voxel_light.h"
 #include "player/render/rays/march_kernels.h"
-#include "player/render/rays/volume/lit_blocks.h"
 #include "player/render/transfer/shading.h"
 #include "player/render/transfer/volume_appearances.h"
 #include "player/render_options.h"
 
 namespace splatlas {
+
+/// The lit voxels of a block with one colour. Other voxels of the block have light 0.
+struct LitBlock {
+  std::uint32_t block = 0;             ///< number in its slice; that of a voxel is kBlock times as large
+  std::array<float, 3> color{};        ///< linear; emissions are those of white times the colour
+  std::array<float, kBlock> whites{};  ///< unlit emissions of white, 1/mm
+  std::array<VoxelLight, kBlock> lights{};
+};
+
+/// The lit voxels of a slice, by ascending block.
+using LitBlocks = std::vector<LitBlock>;
+
+/// The latest block, or a new one with another number or colour. Means of one colour differ by rounding.
+[[nodiscard]] inline LitBlock& require_block(LitBlocks& blocks, std::uint32_t block,
+                                             const std::array<float, 3>& color) {
+  const auto is_same = [](float a, float b) { return std::abs(a - b) < 2e-6f; };
+  if (blocks.empty() || blocks.back().block != block ||
+      !std::equal(color.begin(), color.end(), blocks.back().color.begin(), is_same)) {
+    LitBlock& next = blocks.emplace_back();
+    next.block = block;
+    next.color = color;
+  }
+  return blocks.back();
+}
 
 /// Upper bound of a ray volume's memory: tables, and pages that these runs touch here and in the class cache.
 [[nodiscard]] double bytes_of_ray_volume(const MarchGrid& grid, std::uint64_t runs);

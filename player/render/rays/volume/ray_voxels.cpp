@@ -12,6 +12,25 @@
 
 namespace splatlas {
 
+/// Finds the blocks of lit voxels by ascending number. O(1) amortised.
+class LitCursor {
+ public:
+  explicit LitCursor(const LitBlocks& of) : next_(of.begin()), end_(of.end()) {}
+
+  /// Null unless the voxel is lit.
+  [[nodiscard]] const LitBlock* find(std::uint32_t number) {
+    const std::uint32_t block = number >> kBlockBits;
+    while (next_ != end_ && next_->block < block) ++next_;
+    for (auto of = next_; of != end_ && of->block == block; ++of) {
+      if (of->lights[number % kBlock].lit > 0) return &*of;
+    }
+    return nullptr;
+  }
+
+ private:
+  LitBlocks::const_iterator next_, end_;
+};
+
 /// Adds up the voxels of slices of blocks.
 class RayVolume::Averager {
  public:
@@ -155,7 +174,8 @@ void RayVolume::light(const ParallelView& view, const Lighting& lighting, Thread
         float* color = of_slice + std::size_t{4} * kBlock * block.block;
         for (std::size_t n = 0; n < kBlock; ++n, color += 4) {
           if (block.lights[n].lit == 0) continue;
-          const float white = block.lit_white(n, factors);
+          const float share = static_cast<float>(block.lights[n].lit) / VoxelLight::kAllLit;
+          const float white = block.whites[n] * (1 + share * (factors[block.lights[n].normal] - 1));
           for (std::size_t c = 0; c < 3; ++c) color[c] = white * block.color[c];
         }
       }

@@ -248,10 +248,7 @@ void SpanBuilder::build(const SpanRequest& request, ThreadPool& pool) {
   });
 
   // Update counters and free unused memory
-  for (const SliceSpans& slice : model_.slices) {
-    model_.voxels += slice.voxels;
-    model_.lit_blocks += slice.lights.size();
-  }
+  for (const SliceSpans& slice : model_.slices) model_.voxels += slice.voxels;
   arena_.trim(std::max(arena_.bytes_in_use(), kMaxUnusedBytes));
 }
 

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
@@ -34,11 +33,10 @@ class SheetSpans {
   /// Builds the spans of a strip. Valid until the next call.
   using Build = std::function<const SpanModel&(const SheetStrip& strip)>;
 
-  /// All spans. The model must outlive it. `factors`: light by packed normal, 65536; empty: unlit.
-  explicit SheetSpans(const SpanModel& all, std::vector<float> factors = {})
-      : frame_(all), factors_(std::move(factors)) {}
-  /// `frame`: a model without slices. `strips`: at least 1.
-  SheetSpans(const SpanModel& frame, std::vector<float> factors, std::size_t strips, Build build)
+  /// `frame` must outlive it: all spans or, with `build`, a model without slices. `factors`: light by packed
+  /// normal, 65536; empty: unlit.
+  explicit SheetSpans(const SpanModel& frame, std::vector<float> factors = {}, std::size_t strips = 1,
+                      Build build = {})
       : frame_(frame), factors_(std::move(factors)), strips_(strips), build_(std::move(build)) {}
 
   /// Box, appearances and number of voxels of all spans. Its slices may be missing.
@@ -61,7 +59,7 @@ class SheetSpans {
  private:
   const SpanModel& frame_;
   std::vector<float> factors_;
-  std::size_t strips_ = 1;
+  std::size_t strips_;
   Build build_;
 };
 

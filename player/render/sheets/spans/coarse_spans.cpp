@@ -159,10 +159,7 @@ CoarseSpans::CoarseSpans(const SpanModel& fine, bool shade, int level, ThreadPoo
       arena_.settle(slice.optics);
     }
   });
-  for (const SliceSpans& slice : model_.slices) {
-    model_.voxels += slice.voxels;
-    model_.lit_blocks += slice.lights.size();
-  }
+  for (const SliceSpans& slice : model_.slices) model_.voxels += slice.voxels;
 }
 
 BlockSpans::BlockSpans(std::unique_ptr<BlockVolume> volume, const Selection& selection, const Atlas& atlas)

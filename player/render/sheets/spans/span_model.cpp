@@ -116,45 +116,34 @@ void light_rows(const SliceSpans& slice, const RowRange& rows, std::span<const B
   lit.first_span.clear();
   lit.spans.clear();
   lit.optics.clear();
-  if (lit.first_row == lit.last_row) return;
-
-  // Copy the spans. They, and thus their blocks, follow each other
-  const std::uint32_t* const first_span =
-      &slice.first_span[static_cast<std::size_t>(lit.first_row - slice.first_row)];
-  const std::uint32_t* const last_span = first_span + (lit.last_row - lit.first_row);
-  for (const std::uint32_t* span = first_span; span <= last_span; ++span)
-    lit.first_span.push_back(*span - *first_span);
-  lit.spans.assign(slice.spans.begin() + *first_span, slice.spans.begin() + *last_span);
-  if (lit.spans.empty()) return;
-  const std::uint32_t begin = lit.spans.front().offset,
-                      end = lit.spans.back().offset + lit.spans.back().blocks;
-  for (Span& span : lit.spans) span.offset -= begin;
-
-  // Light the blocks
-  const auto floats = static_cast<std::size_t>(slice.block_floats());
-  const float* const from = slice.optics.data();
-  float* const to = lit.optics.append((end - begin) * floats);
   const LightKernels kernels = light_kernels();
-  auto lights = std::ranges::lower_bound(slice.lights, begin, {}, &BlockLights::block);
-  const auto light = [&](std::uint32_t first, std::uint32_t last) {
-    while (lights != slice.lights.end() && lights->block < first) ++lights;
-    const auto first_light = lights;
-    while (lights != slice.lights.end() && lights->block < last) ++lights;
-    kernels.emit({first, last - first, slice.emissions, from + first * floats, {first_light, lights}},
-                 factors.data(), to + (first - begin) * floats);
-  };
-  if (hidden.empty()) return light(begin, end);
+  const auto floats = static_cast<std::size_t>(slice.block_floats());
+  const BlockLights* lights = slice.lights.data();  // of the next blocks
+  const BlockLights* const all_lights = lights + slice.lights.size();
   for (std::int64_t row = lit.first_row; row < lit.last_row; ++row) {
+    lit.first_span.push_back(static_cast<std::uint32_t>(lit.spans.size()));
     for (const Span& span : slice.row(row)) {
-      const auto number = [&](std::int64_t block) {
-        return span.offset + static_cast<std::uint32_t>(block - span.first_block);
-      };
+      if (lit.spans.empty())
+        lights = std::ranges::lower_bound(lights, all_lights, span.offset, {}, &BlockLights::block);
+      lit.spans.push_back({span.first_block, span.blocks, span.voxels,
+                           static_cast<std::uint32_t>(lit.optics.size() / floats)});
+      float* const to = lit.optics.append(span.blocks * floats);
       const Blocks all{span.first_block, std::int64_t{span.first_block} + span.blocks};
-      for (const Blocks& part : parts_outside(all, hidden[static_cast<std::size_t>(row - rows.first)])) {
-        if (part.first < part.last) light(number(part.first), number(part.last));
+      const Blocks hole = hidden.empty() ? Blocks{} : hidden[static_cast<std::size_t>(row - rows.first)];
+      for (const Blocks& part : parts_outside(all, hole)) {
+        if (part.first == part.last) continue;
+        const auto skipped = static_cast<std::uint32_t>(part.first - span.first_block);
+        const auto count = static_cast<std::uint32_t>(part.last - part.first), first = span.offset + skipped;
+        while (lights != all_lights && lights->block < first) ++lights;
+        const BlockLights* const first_light = lights;
+        while (lights != all_lights && lights->block < first + count) ++lights;
+        kernels.emit(
+            {first, count, slice.emissions, slice.optics.data() + first * floats, {first_light, lights}},
+            factors.data(), to + skipped * floats);
       }
     }
   }
+  lit.first_span.push_back(static_cast<std::uint32_t>(lit.spans.size()));
 }
 
 }  // namespace splatlas

@@ -152,7 +152,6 @@ struct SpanModel {
   double mean_densest_per_mm = 0;
   std::vector<SliceSpans> slices;  ///< by number; slices without spans may be missing
   std::uint64_t voxels = 0;
-  std::uint64_t lit_blocks = 0;
 
   /// Index of the first slice with at least this number.
   [[nodiscard]] std::size_t place_of(std::int64_t number) const {
