@@ -103,6 +103,17 @@ TEST(Cuts, ClipHomogeneousBlocksExactly) {
   }
 }
 
+/// No ray of a coarse pixel goes beyond its own cut, to a fragment at the pixel's centre.
+TEST(Cuts, EndEachRayOfAPixelThatHasFragments) {
+  const AtlasContent content = halves();
+  const RenderOptions options{.size = {9, 9}, .quality = Quality::kHigh, .cuts = cuts_of({{{0.1, 3, 0}, 1}})};
+  const auto picture = [&](const char* text) {
+    return render_or_throw(content, selection_of(text, content.graph), {.azimuth_deg = -90}, options).rgba;
+  };
+  const auto with_clear_surface = picture("r(opacity=0.2) + l:surface(opacity=1e-6)");
+  EXPECT_THAT(with_clear_surface, testing::Pointwise(testing::FloatNear(1e-4f), picture("r(opacity=0.2)")));
+}
+
 /// Faces show the structures that a plane cuts, with their opacity.
 TEST(Cuts, HaveFacesOfStructures) {
   const AtlasContent content = halves();

@@ -98,7 +98,7 @@ class SamplePacket {
     for (std::size_t n = 0; n < count_; ++n) {
       const auto fragments = list_.of_sample(first_ + n);
       if (layer < fragments.size() && !is_hidden(n))
-        to[n] = std::max(to[n], t_of(fragments[layer].depth, scene, n));
+        to[n] = std::max(to[n], std::min(end_[n], t_of(fragments[layer].depth, scene, n)));
     }
     march_to(to);
     for (std::size_t n = 0; n < count_; ++n) {
