@@ -29,7 +29,7 @@ struct FrameCall {
 
 /// Progress of a frame after decoding, and number of loops that draw its volume.
 constexpr double kDecoded = 0.2, kPrepared = 0.3;
-constexpr int kMaxFitSteps = 30;  // 5 as a rule; more for deep content in wide fields of view
+constexpr int kMaxFitSteps = 30;  // 4 to 16 as a rule; more for deep content in wide fields of view
 constexpr std::size_t kSheetLoops = 4, kRayLoops = 1;
 
 }  // namespace

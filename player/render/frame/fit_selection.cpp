@@ -215,7 +215,7 @@ double FitFrame::fitted_half_height(const FitExtents& extents) const {
 }
 
 bool FitFrame::narrow(const FitExtents& extents) {
-  constexpr double kCentred = 1e-4;  // half heights of the picture
+  constexpr double kCentred = 1e-8;  // half heights of the picture
   if (slope_ == 0) return false;
   narrowed_ = fitted_half_height(extents);
   // Planes of half angle t that touch the points on both sides have t = (half + t * depth) / (height +

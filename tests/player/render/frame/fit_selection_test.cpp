@@ -134,7 +134,7 @@ TEST(FitSelection, TouchesTheMarginsAndCrossesNone) {
     const bool is_perspective = scene.camera.projection == CameraProjection::kPerspective;
     // With a wider field of view, the nearest corner keeps the eye away
     if (is_perspective && scene.camera.field_of_view_deg > 90) continue;
-    const double to_middle = is_perspective ? 1e-3 : kRounding;  // 1/20 of a pixel
+    const double to_middle = is_perspective ? 1e-6 : kRounding;
     EXPECT_NEAR(shown.right, -shown.left, to_middle);
     EXPECT_NEAR(shown.bottom, -shown.top, to_middle);
     EXPECT_NEAR(is_wide ? shown.right : shown.bottom, 1 - 2 * kMargin, kRounding);
