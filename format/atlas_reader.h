@@ -30,7 +30,7 @@ struct SectionSize {
 /// Rule of the surfaces that a reader derives from the voxels. Stored surfaces do not change.
 enum class SurfaceChoice : std::uint8_t {
   kAsInFile,
-  kSmooth,  ///< SurfaceRule::kSmooth, in grids that admit it
+  kSmooth,  ///< what smooths in the grid, if it admits that: rule_for()
   kVoxels   ///< vertices midway between voxels
 };
 

@@ -33,6 +33,7 @@ static_assert(sizeof(Vertex<std::uint16_t>) == 8 && sizeof(Vertex<std::uint32_t>
 
 /// Position scales of fitted surfaces.
 constexpr std::array kFittedScales{static_cast<std::uint32_t>(SurfaceRule::kVoxels),
+                                   static_cast<std::uint32_t>(SurfaceRule::kUneven),
                                    static_cast<std::uint32_t>(SurfaceRule::kSmooth)};
 constexpr std::size_t kLengthsBytes = 2 * sizeof(std::uint32_t);
 /// First bytes of the codes: meshoptimizer's decoders take other versions, too.
@@ -285,7 +286,7 @@ Result<void> check_surface_entry(const SurfaceEntry& entry, const Index3& size) 
       return invalid_atlas("fitted, with position scale {} and {} triangles", entry.position_scale,
                            entry.triangles);
     }
-    if (rule_for(rule_of(entry), size) == rule_of(entry)) return {};
+    if (admits(size, rule_of(entry))) return {};
     return invalid_atlas("smoothed, in a grid of more than {} voxels along an axis", kMaxSmoothSize);
   }
   const std::size_t vertex_bytes = fits_16_bits(size, entry.position_scale) ? sizeof(Vertex<std::uint16_t>)

@@ -1,33 +1,39 @@
 // Triangle meshes of structures.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
+
+#include "format/content/grid.h"
 
 namespace splatlas {
 
 /// Rule by which a surface follows from the voxels of its structure (docs/atlas_surfaces.md). The values are
 /// the position scales of such surfaces in files.
 enum class SurfaceRule : std::uint32_t {
-  kVoxels = 4,   ///< vertices midway between voxels, triangles of vtkMarchingCubes
-  kSmooth = 256  ///< smoothing 1: vertices moved along their voxel edges, triangles of vtkMarchingCubes
+  kVoxels = 4,    ///< vertices midway between voxels, triangles of vtkMarchingCubes
+  kSmooth = 256,  ///< smoothing 1: vertices moved along their voxel edges, triangles of vtkMarchingCubes
+  kUneven = 128   ///< smoothing 2: vertices of smoothing 1 moved on, across slices; the same triangles
 };
 
-/// Position scale of stored surfaces that were smoothed across thick slices. Their structures' voxels have
-/// the coarse levels of derived surfaces.
-inline constexpr std::uint32_t kThickSliceScale = 128;
-
-/// Maximum size of a grid along each axis for SurfaceRule::kSmooth: positions are exact in single precision.
+/// Maximum size of a grid along each axis for rules that smooth: positions are exact in single precision.
 inline constexpr std::int64_t kMaxSmoothSize = 65535;
-/// The rule, or kVoxels instead of kSmooth in a grid that is too large.
-[[nodiscard]] inline SurfaceRule rule_for(SurfaceRule rule, const std::array<std::int64_t, 3>& size) {
-  const bool is_large = size[0] > kMaxSmoothSize || size[1] > kMaxSmoothSize || size[2] > kMaxSmoothSize;
-  return rule == SurfaceRule::kSmooth && is_large ? SurfaceRule::kVoxels : rule;
+[[nodiscard]] inline bool admits(const Index3& size, SurfaceRule rule) {
+  return rule == SurfaceRule::kVoxels || std::ranges::max(size) <= kMaxSmoothSize;
+}
+/// The rule, or what stands for kSmooth in this grid: kVoxels if it is too large, kUneven if voxels are more
+/// than 1.2 times as long along one axis as along another.
+[[nodiscard]] inline SurfaceRule rule_for(SurfaceRule rule, const Grid& grid) {
+  if (rule != SurfaceRule::kSmooth) return rule;
+  if (!admits(grid.size, rule)) return SurfaceRule::kVoxels;
+  const double thin = *std::ranges::min_element(grid.spacing_mm), thick = std::ranges::max(grid.spacing_mm);
+  return thick > 1.2 * thin ? SurfaceRule::kUneven : rule;
 }
 
 /// Surface of one structure in continuous voxel indices of the storage grid. A fitted triangle (marching
-/// cubes) lies in one cell of eight voxel centres, unless it was smoothed across thick slices; external
+/// cubes) lies in one cell of eight voxel centres, unless it was smoothed across slices; external
 /// triangles are as in their file. Triangles are sorted by the memory offset of their voxel: the first
 /// boundary voxel in a fitted triangle's cell, or the first voxel that an external triangle crosses.
 struct SurfaceMesh {

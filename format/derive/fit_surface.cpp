@@ -169,15 +169,17 @@ struct Kept {
 };
 
 /// A smoothed mesh. Consumes the net and keeps its memory.
-SurfaceMesh smooth_mesh(SurfaceNet net, const Grid& grid) {
+SurfaceMesh smooth_mesh(SurfaceNet net, const Grid& grid, SurfaceRule rule) {
   SmoothedNet smoothed = smooth(net, std::move(Kept::of_thread().smoothed));
-  SurfaceMesh mesh = triangles_of(net, grid, SurfaceRule::kSmooth);
+  SurfaceMesh mesh = triangles_of(net, grid, rule);
+  if (rule == SurfaceRule::kUneven) mesh.positions_ijk = smooth_across(net, smoothed, grid);
   mesh.positions_ijk.resize(net.vertices.size());
   mesh.normals_lps.resize(net.vertices.size());
   const VoxelNormals voxel_normals(grid);
   for (std::size_t v = 0; v < net.vertices.size(); ++v) {
     constexpr float kUnit = 1.0f / SmoothedNet::kScale;
-    mesh.positions_ijk[v] = position_of(net.vertices[v], kUnit * static_cast<float>(smoothed.offsets[v]));
+    if (rule == SurfaceRule::kSmooth)
+      mesh.positions_ijk[v] = position_of(net.vertices[v], kUnit * static_cast<float>(smoothed.offsets[v]));
     Vec3f direction;
     for (std::size_t a = 0; a < 3; ++a) direction[a] = static_cast<float>(smoothed.directions[v][a]);
     mesh.normals_lps[v] = voxel_normals.to_lps(direction);
@@ -229,9 +231,9 @@ PackedNormal VoxelNormals::normal(const Vec3f& gradient) const {
 SurfaceMesh fit_surface(const StructureCrop& crop, const Grid& grid, SurfaceRule rule,
                         const SliceVisitor& visit_slice) {
   SurfaceNet net = surface_net(crop, std::move(Kept::of_thread().net));
-  if (rule == SurfaceRule::kSmooth) {
+  if (rule != SurfaceRule::kVoxels) {
     if (visit_slice) visit_slices(crop, visit_slice);
-    return smooth_mesh(std::move(net), grid);
+    return smooth_mesh(std::move(net), grid, rule);
   }
   const std::vector<Vec3f> gradients = vertex_gradients(net.vertices, crop, visit_slice);
   return midway_mesh(std::move(net), gradients, grid, rule);
@@ -241,7 +243,7 @@ std::optional<SurfaceMesh> fit_sparse_surface(const PartRows& rows, const Grid& 
                                               std::uint64_t max_triangles) {
   std::optional<SurfaceNet> net = sparse_surface_net(rows, max_triangles);
   if (!net) return std::nullopt;
-  if (rule == SurfaceRule::kSmooth) return smooth_mesh(*std::move(net), grid);
+  if (rule != SurfaceRule::kVoxels) return smooth_mesh(*std::move(net), grid, rule);
   const std::vector<Vec3f> gradients = sparse_vertex_gradients(net->vertices, rows);
   return midway_mesh(*std::move(net), gradients, grid, rule);
 }

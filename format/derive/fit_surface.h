@@ -40,10 +40,10 @@ class VoxelNormals {
 using SliceVisitor = std::function<void(const SmoothGradient& gradient, std::int64_t k)>;
 
 /// Marching cubes (Lorensen and Cline 1987) on the crop of a whole structure, by a rule that the grid admits.
-/// The normals of kSmooth are the directions of smooth(). Otherwise the normal of a vertex is the sum of the
-/// smoothed gradients at both ends of its cell edge, or the face normal if that sum points inwards. Normals
-/// are rounded to unpack_normal(pack_normal(n)), as in files. `visit_slice` may be empty. Cost: see
-/// surface_net() and smooth(); gradients are linear in the voxels of the crop.
+/// The normals of kVoxels apart, they are the directions of smooth(). Otherwise the normal of a vertex is the
+/// sum of the smoothed gradients at both ends of its cell edge, or the face normal if that sum points
+/// inwards. Normals are rounded to unpack_normal(pack_normal(n)), as in files. `visit_slice` may be empty.
+/// Cost: see surface_net() and smooth(); gradients are linear in the voxels of the crop.
 [[nodiscard]] SurfaceMesh fit_surface(const StructureCrop& crop, const Grid& grid, SurfaceRule rule,
                                       const SliceVisitor& visit_slice = {});
 

@@ -95,8 +95,8 @@ Result<void> check_class_volume(const AtlasContent& content, const Index3& size)
 
 std::optional<SurfaceRule> rule_of(const SurfaceMesh& mesh, const Index3& size) {
   if (mesh.empty()) return std::nullopt;
-  for (const SurfaceRule rule : {SurfaceRule::kVoxels, SurfaceRule::kSmooth}) {
-    if (mesh.position_scale == static_cast<std::uint32_t>(rule) && rule_for(rule, size) == rule) return rule;
+  for (const SurfaceRule rule : {SurfaceRule::kVoxels, SurfaceRule::kSmooth, SurfaceRule::kUneven}) {
+    if (mesh.position_scale == static_cast<std::uint32_t>(rule) && admits(size, rule)) return rule;
   }
   return std::nullopt;
 }

@@ -99,7 +99,7 @@ Result<StructureGraph> with_distinct_colors(const SourceModel& model, const Plac
 }
 
 void note_surfaces(SurfaceRule rule, const Grid& grid, const ExtractedSurfaces& extracted, Notes& notes) {
-  if (rule_for(rule, grid.size) != rule) {
+  if (!admits(grid.size, rule)) {
     notes.add("not-smoothed",
               fmt::format("surfaces are not smoothed: an axis of the grid has more than {} voxels",
                           kMaxSmoothSize));

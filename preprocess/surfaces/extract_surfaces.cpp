@@ -21,8 +21,7 @@ struct StructureExtractor {
   const ExtractOptions& options;
   std::span<const StructureIndex> normal_owner;
   std::span<std::vector<PackedNormal>> normals;  ///< [class]
-  SurfaceRule rule = rule_for(options.rule, grid.size);
-  bool smooths_across = rule == SurfaceRule::kSmooth && has_thick_slices(grid);  ///< smooth_across_slices()
+  SurfaceRule rule = rule_for(options.rule, grid);
   VoxelNormals voxel_normals{grid};
 
   struct Extracted {
@@ -39,7 +38,8 @@ struct StructureExtractor {
       if (normal_owner[h.id] == structure) owned.push_back({h.id, classification.runs.classes[h.id]});
     }
     Extracted result;
-    result.mesh = fit_surface(crop, grid, rule, [&](const SmoothGradient& gradient, std::int64_t k) {
+    const SurfaceRule on_edges = rule == SurfaceRule::kUneven ? SurfaceRule::kSmooth : rule;  // as VTK's are
+    result.mesh = fit_surface(crop, grid, on_edges, [&](const SmoothGradient& gradient, std::int64_t k) {
       for (RunsBySlice& runs : owned) {
         runs.visit_slice(k, crop, grid.size[1], [&](std::int64_t i, std::int64_t j) {
           normals[runs.id].push_back(voxel_normals.normal(gradient.at(i, j)));
@@ -53,12 +53,13 @@ struct StructureExtractor {
       SPLATLAS_RETURN_IF_ERROR(
           move_to_isosurface(*options.values, isosurface->level, crop, grid, vtk, result.mesh));
       result.is_derived = true;  // nothing to note: isosurfaces are stored anyway
-    } else if (smooths_across) {
-      result.is_derived = true;  // stored anyway
     } else if (!options.keeps_fitted && result.is_derived && crop_voxels(box) <= kMaxFittedVoxels) {
       result.fitted = {rule, static_cast<std::uint32_t>(result.mesh.positions_ijk.size()),
                        static_cast<std::uint32_t>(result.mesh.triangles.size())};
       result.mesh = {};
+    } else if (rule == SurfaceRule::kUneven) {
+      result.mesh.positions_ijk = fit_surface(crop, grid, rule).positions_ijk;
+      result.mesh.position_scale = static_cast<std::uint32_t>(rule);
     }
     return result;
   }
@@ -91,7 +92,6 @@ Result<ExtractedSurfaces> extract_surfaces(const ClassifiedVoxels& classificatio
                                      owners,         result.boundary_normals};
   const auto structures = structures_to_extract(classification.classes, structure_classes, graph);
 
-  const double extraction = extractor.smooths_across ? 0.4 : 1;  // share of the time
   initialize_vtk();
   std::vector<Result<StructureExtractor::Extracted>> extracted(structures.size());
   parallel_for(
@@ -99,7 +99,7 @@ Result<ExtractedSurfaces> extract_surfaces(const ClassifiedVoxels& classificatio
       [&](std::size_t n) { extracted[n] = extractor.extract(structures[n].first, structures[n].second); },
       [&](std::size_t done) {
         if (options.progress)
-          options.progress(extraction * static_cast<double>(done) / static_cast<double>(structures.size()));
+          options.progress(static_cast<double>(done) / static_cast<double>(structures.size()));
       });
   for (std::size_t n = 0; n < structures.size(); ++n) {
     const StructureIndex structure = structures[n].first;
@@ -111,17 +111,6 @@ Result<ExtractedSurfaces> extract_surfaces(const ClassifiedVoxels& classificatio
     result.fitted[structure] = extracted[n]->fitted;
     if (!extracted[n]->is_derived) ++result.not_derived;
   }
-
-  // Smooth those of labels across thick slices
-  if (!extractor.smooths_across) return result;
-  std::vector<SurfaceMesh*> of_labels;
-  for (StructureIndex s = 0; s < graph.size(); ++s) {
-    if (std::ranges::find(options.isosurfaces, s, &Isosurface::structure) == options.isosurfaces.end())
-      of_labels.push_back(&result.surfaces[s]);
-  }
-  smooth_across_slices(of_labels, storage_grid, options.threads, [&](double done) {
-    if (options.progress) options.progress(extraction + (1 - extraction) * done);
-  });
   return result;
 }
 

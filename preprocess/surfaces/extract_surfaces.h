@@ -1,4 +1,4 @@
-// Extraction of structure surfaces and boundary normals, and smoothing of surfaces across thick slices.
+// Extraction of structure surfaces and boundary normals.
 #pragma once
 
 #include <functional>
@@ -37,30 +37,13 @@ struct ExtractOptions {
 };
 
 /// Extracts the surface of each structure's own voxels with VTK (marching cubes, Lorensen and Cline 1987),
-/// closed at the border of the grid, and compares it with fit_surface(), which readers use. Smooth surfaces
-/// of thick slices are then those of smooth_across_slices(). Boundary normals come from the mask smoothed
-/// with a Gaussian of one voxel. A boundary voxel of several structures has the normal of the lowest index.
-/// Errors name the structure. Parallel over structures. Memory per thread: a byte per voxel of a structure's
-/// box, five of an isosurface's, and about 200 per vertex. Thick slices add all surfaces and the memory of
-/// smooth_across_slices().
+/// closed at the border of the grid, and compares it with fit_surface(), which readers use. Boundary normals
+/// come from the mask smoothed with a Gaussian of one voxel. A boundary voxel of several structures has the
+/// normal of the lowest index. Errors name the structure. Parallel over structures. Memory per thread: a byte
+/// per voxel of a structure's box, five of an isosurface's, and about 200 per vertex.
 [[nodiscard]] Result<ExtractedSurfaces> extract_surfaces(const ClassifiedVoxels& classification,
                                                          const StructureGraph& graph,
                                                          const Grid& storage_grid,
                                                          const ExtractOptions& options = {});
-
-/// True if voxels are more than twice as long along one axis as along another.
-[[nodiscard]] bool has_thick_slices(const Grid& grid);
-
-/// Smooths surfaces of SurfaceRule::kSmooth further, where labels step from slice to slice. Moves vertices
-/// onto planes through the triangles around them, across the vertices' normals (Sun et al. 2007, "Fast and
-/// effective feature-preserving mesh denoising", vertex updating). So planes and tubes keep their thickness.
-/// First, each structure moves alone. Then vertices on one voxel edge are joined if they are still near each
-/// other: structures that touch keep one border, and those that meet on ledges between slices part. A vertex
-/// moves at most half the longest side of a voxel from the mean of those it is joined with. Positions become
-/// multiples of 1 / kThickSliceScale; normals and triangles stay. Thin parts may cross or fold over each
-/// other within that distance. Empty meshes stay. `progress` receives the fraction done and may be empty. The
-/// result does not depend on `threads`. Memory: about 250 bytes per vertex. Cost: about 1 us per triangle.
-void smooth_across_slices(std::span<SurfaceMesh* const> meshes, const Grid& grid, unsigned threads,
-                          const std::function<void(double)>& progress = {});
 
 }  // namespace splatlas

@@ -37,10 +37,10 @@ inline void fit_parts(AtlasContent& content, StructureIndex s, SurfaceRule rule 
   for (StructureIndex s = 0; s < content.graph.size(); ++s) fit_parts(content, s, rule);
   return content;
 }
-/// The same with all rules in turn.
-[[nodiscard]] inline AtlasContent fitted_by_all_rules(AtlasContent content) {
-  constexpr std::array kRules{SurfaceRule::kSmooth, SurfaceRule::kVoxels};
-  for (StructureIndex s = 0; s < content.graph.size(); ++s) fit_parts(content, s, kRules[s % kRules.size()]);
+/// The same with the first `rules` rules in turn.
+[[nodiscard]] inline AtlasContent fitted_by_all_rules(AtlasContent content, std::size_t rules = 3) {
+  constexpr std::array kRules{SurfaceRule::kSmooth, SurfaceRule::kVoxels, SurfaceRule::kUneven};
+  for (StructureIndex s = 0; s < content.graph.size(); ++s) fit_parts(content, s, kRules[s % rules]);
   return content;
 }
 

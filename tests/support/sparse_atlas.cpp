@@ -122,10 +122,10 @@ std::vector<std::byte> sparse_atlas(const Index3& size, const std::vector<Sparse
       if (s == 0) all = {};
       all.vertices += entry.vertices;
       all.triangles += entry.triangles;
-      all.position_scale = static_cast<std::uint32_t>(rule_for(SurfaceRule::kSmooth, size));
+      all.position_scale = static_cast<std::uint32_t>(rule_for(SurfaceRule::kSmooth, Grid{.size = size}));
     }
-    constexpr std::array kRules{SurfaceRule::kSmooth, SurfaceRule::kVoxels};
-    entry.position_scale = static_cast<std::uint32_t>(rule_for(kRules[s % kRules.size()], size));
+    constexpr std::array kRules{SurfaceRule::kVoxels, SurfaceRule::kSmooth, SurfaceRule::kUneven};
+    entry.position_scale = static_cast<std::uint32_t>(kRules[admits(size, kRules[1]) ? s % 3 : 0]);
     directory.normals_fitted[c] = true;
   }
   classes.count(kEmptyClass, empty, {});

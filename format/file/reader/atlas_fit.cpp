@@ -56,10 +56,10 @@ Result<PartRows> Atlas::Impl::read_rows(StructureIndex s, const IndexBox& near) 
 SurfaceRule Atlas::Impl::rule_of_surface(StructureIndex s) const {
   const SurfaceRule rule = rule_of(directory.surfaces[s]);
   if (surfaces == SurfaceChoice::kSmooth) {
-    const SurfaceRule smooth = rule_for(SurfaceRule::kSmooth, grid.size);
-    return smooth == SurfaceRule::kSmooth ? smooth : rule;
+    const SurfaceRule smooth = rule_for(SurfaceRule::kSmooth, grid);
+    return smooth != SurfaceRule::kVoxels ? smooth : rule;
   }
-  return surfaces == SurfaceChoice::kVoxels && rule == SurfaceRule::kSmooth ? SurfaceRule::kVoxels : rule;
+  return surfaces == SurfaceChoice::kVoxels ? SurfaceRule::kVoxels : rule;
 }
 
 Result<SurfaceMesh> Atlas::Impl::fit_surface_of(StructureIndex s) const {
@@ -116,7 +116,7 @@ Result<std::vector<PackedNormal>> Atlas::Impl::fit_normals_of(ClassId c) const {
 bool Atlas::has_levels(StructureIndex s) const {
   const SurfaceEntry& entry = impl_->directory.surfaces[s];
   const IndexBox box = box_of(classes(), impl_->structure_classes.of(s));
-  const bool follows_voxels = is_fitted(entry) || entry.position_scale == kThickSliceScale;
+  const bool follows_voxels = is_fitted(entry) || rule_of(entry) == SurfaceRule::kUneven;
   return follows_voxels && !box.empty() && !fits_sparsely(box, entry.vertices);
 }
 

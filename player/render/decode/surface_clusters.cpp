@@ -114,7 +114,7 @@ bool is_fitted(const SurfaceMesh& mesh) {
 /// True if corners are counter-clockwise from outside. Normals are means over several triangles, and may
 /// point to the other side of a small one.
 bool is_wound_outwards(const SurfaceMesh& mesh) {
-  return is_fitted(mesh) || mesh.position_scale == kThickSliceScale;
+  return is_fitted(mesh) || mesh.position_scale == static_cast<std::uint32_t>(SurfaceRule::kUneven);
 }
 
 /// Numbers of the triangles along the curve, by a radix sort. Neighbours in a cell keep their order.

@@ -1,186 +1,21 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <map>
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "format/derive/surface_net.h"
-#include "tests/format/derive/masks.h"
+#include "format/derive/fit_surface.h"
+#include "tests/format/derive/plain_smoothing.h"
 #include "tests/format/random_volume.h"
 #include "tests/phantom/two_spheres.h"
-
-/// Slow smoothing of surfaces, written from docs/atlas_surfaces.md alone.
-namespace splatlas::plain {
-/// A crossed edge: its first voxel, and its axis.
-using Edge = std::array<std::int64_t, 4>;
-
-struct SmoothVertex {
-  std::int64_t offset = 0;  ///< from the first voxel, in 1/256 voxel
-  std::array<std::int64_t, 3> direction{0, 0, 0};
-  friend bool operator==(const SmoothVertex&, const SmoothVertex&) = default;
-};
-
-namespace {
-
-using Vector = std::array<std::int64_t, 3>;
-
-enum class Kind { kParallel, kLow, kHigh, kCentre };
-
-struct Link {
-  Kind kind = Kind::kCentre;
-  std::size_t axis = 0;
-  std::int64_t sign = 0;
-  Edge neighbour{};
-};
-
-struct Vertex {
-  std::int64_t sign = 0;  // 1 if the first voxel is inside
-  std::array<Link, 4> links{};
-  Vector sum{0, 0, 0}, direction{0, 0, 0};
-  std::int64_t constant = 0, before = 0, now = 0;
-  std::array<std::int64_t, 4> weights{};
-};
-using Net = std::map<Edge, Vertex>;
-
-Index3 moved(Index3 at, std::size_t axis, std::int64_t by) {
-  at[axis] += by;
-  return at;
-}
-
-Edge edge(const Index3& first, std::size_t axis) {
-  return {first[0], first[1], first[2], static_cast<std::int64_t>(axis)};
-}
-
-Link link_of(const Mask& mask, const Index3& p, std::size_t a, std::size_t l, std::int64_t d) {
-  const Index3 next = moved(p, a, 1), beside = moved(p, l, d), beside_next = moved(next, l, d);
-  const Index3 o = d > 0 ? p : beside;
-  const bool in_p = mask.holds(p), in_next = mask.holds(next);
-  const bool in_beside = mask.holds(beside), in_both = mask.holds(beside_next);
-  if (in_beside == in_p && in_both == in_next) return {Kind::kParallel, l, d, edge(beside, a)};
-  if (in_beside == in_next && in_both == in_next) return {Kind::kLow, l, d, edge(o, l)};
-  if (in_beside == in_p && in_both == in_p) return {Kind::kHigh, l, d, edge(moved(o, a, 1), l)};
-  return {Kind::kCentre, l, d, edge(p, a)};
-}
-
-Net net_of(const Mask& mask) {
-  Net net;
-  for (std::int64_t k = -1; k < mask.size[2]; ++k) {
-    for (std::int64_t j = -1; j < mask.size[1]; ++j) {
-      for (std::int64_t i = -1; i < mask.size[0]; ++i) {
-        for (std::size_t a = 0; a < 3; ++a) {
-          const Index3 p{i, j, k};
-          if (mask.holds(p) == mask.holds(moved(p, a, 1))) continue;
-          Vertex vertex;
-          vertex.sign = mask.holds(p) ? 1 : -1;
-          const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
-          vertex.links = {link_of(mask, p, a, b, 1), link_of(mask, p, a, b, -1), link_of(mask, p, a, c, 1),
-                          link_of(mask, p, a, c, -1)};
-          vertex.sum[a] = vertex.sign << 20;
-          vertex.direction = vertex.sum;
-          net.emplace(edge(p, a), vertex);
-        }
-      }
-    }
-  }
-  return net;
-}
-
-void find_directions(Net& net) {
-  for (int step = 1; step <= 16; ++step) {
-    const Net old = net;
-    for (auto& [at, vertex] : net) {
-      for (std::size_t n = 0; n < 3; ++n) {
-        for (const Link& link : vertex.links) vertex.sum[n] += old.at(link.neighbour).sum[n];
-        if (step % 4 == 0) vertex.sum[n] /= 625;
-      }
-      const std::int64_t length = std::abs(vertex.sum[0]) + std::abs(vertex.sum[1]) + std::abs(vertex.sum[2]);
-      if (step % 4 == 0 && length >= 5 * 65536) vertex.direction = vertex.sum;
-    }
-  }
-}
-
-void find_weights(Net& net) {
-  for (auto& [at, vertex] : net) {
-    const auto a = static_cast<std::size_t>(at[3]);
-    std::array<std::int64_t, 4> alpha{}, beta{};
-    std::int64_t largest = 0;
-    for (std::size_t q = 0; q < 4; ++q) {
-      const Link& link = vertex.links[q];
-      const Vector& other = net.at(link.neighbour).direction;
-      alpha[q] = vertex.sign * (vertex.direction[a] + other[a]);
-      beta[q] = vertex.sign * link.sign * (vertex.direction[link.axis] + other[link.axis]);
-      largest = std::max({largest, std::abs(alpha[q]), std::abs(beta[q])});
-    }
-    std::int64_t den = 0, con = 0;
-    std::array<std::int64_t, 4> w{};
-    for (std::size_t q = 0; q < 4; ++q) {
-      std::int64_t down = 1, up = 1;
-      for (std::int64_t size = largest; size >= 1 << 14; size /= 2) down *= 2;
-      for (std::int64_t size = largest; size > 0 && size < 1 << 13; size *= 2) up *= 2;
-      alpha[q] = alpha[q] / down * up;
-      beta[q] = beta[q] / down * up;
-      den += alpha[q];
-      switch (vertex.links[q].kind) {
-        case Kind::kParallel:
-          con += 2 * beta[q];
-          w[q] = alpha[q];
-          break;
-        case Kind::kLow:
-          con += beta[q] - alpha[q];
-          w[q] = vertex.links[q].sign * beta[q];
-          break;
-        case Kind::kHigh:
-          con += beta[q] + alpha[q];
-          w[q] = vertex.links[q].sign * beta[q];
-          break;
-        case Kind::kCentre: con += beta[q]; break;
-      }
-    }
-    if (den <= 0) continue;
-    const std::int64_t inverse = (std::int64_t{1} << 29) / (den + 1024);
-    for (std::size_t q = 0; q < 4; ++q) vertex.weights[q] = w[q] * inverse / (1 << 18);
-    vertex.constant = con * inverse / (1 << 7);
-  }
-}
-
-void relax(Net& net) {
-  constexpr std::array<std::int64_t, 7> kOmega{4096, 7464, 6956, 6640, 6458, 6358, 6304};
-  for (std::size_t step = 0; step < 8; ++step) {
-    const Net old = net;
-    for (auto& [at, vertex] : net) {
-      std::int64_t target = vertex.constant;
-      for (std::size_t q = 0; q < 4; ++q) target += vertex.weights[q] * old.at(vertex.links[q].neighbour).now;
-      target = std::clamp<std::int64_t>(target / 2048, -8192, 8192);
-      const std::int64_t now = vertex.now;
-      const std::int64_t next = step < 7 ? vertex.before + kOmega[step] * (target - vertex.before) / 4096
-                                         : now + 2731 * (target - now) / 4096;
-      vertex.before = now;
-      vertex.now = std::clamp<std::int64_t>(next, -1792, 1792);
-    }
-  }
-}
-
-}  // namespace
-
-std::map<Edge, SmoothVertex> smooth_vertices(const Mask& mask) {
-  Net net = net_of(mask);
-  find_directions(net);
-  find_weights(net);
-  relax(net);
-  std::map<Edge, SmoothVertex> result;
-  for (const auto& [at, vertex] : net)
-    result[at] = {128 + (vertex.now + (vertex.now < 0 ? -8 : 8)) / 16, vertex.direction};
-  return result;
-}
-
-}  // namespace splatlas::plain
+#include "tests/support/closed_mesh.h"
 
 namespace splatlas {
 namespace {
 
 using plain::Edge;
+using plain::random_mask;
 using plain::SmoothVertex;
 using Vertices = std::map<Edge, SmoothVertex>;
 
@@ -197,20 +32,6 @@ Vertices smoothed(const Mask& mask) {
   return vertices;
 }
 
-/// Noise of any density, or a ball with bumps.
-Mask random_mask(std::mt19937& random) {
-  Index3 size{};
-  for (std::int64_t& n : size) n = 1 + static_cast<std::int64_t>(below(9, random));
-  const std::size_t density = 2 + below(69, random);  // per cent
-  if (below(3, random) != 0) {
-    return mask_of(size, [&](auto, auto, auto) { return below(100, random) < density; });
-  }
-  return mask_of(size, [&](auto i, auto j, auto k) {
-    const std::int64_t x = 2 * i - size[0] + 1, y = 2 * j - size[1] + 1, z = 2 * k - size[2] + 1;
-    return x * x + y * y + z * z < 30 + static_cast<std::int64_t>(below(30, random));
-  });
-}
-
 RC_GTEST_PROP(Smooth, EqualsThePlainDefinition, ()) {
   auto random = *random_source();
   const Mask mask = random_mask(random);
@@ -218,23 +39,39 @@ RC_GTEST_PROP(Smooth, EqualsThePlainDefinition, ()) {
   RC_ASSERT(smoothed(mask) == expected);
 }
 
-/// FNV-1a of 64 bits over offsets in the order of vertices.
-std::uint64_t hash_of(const Mask& mask) {
-  std::uint64_t hash = 0xcbf29ce484222325;
-  for (const std::uint8_t offset : smooth(surface_net(crop_of(mask))).offsets)
-    hash = (hash ^ offset) * 0x100000001b3;
-  return hash;
-}
-
-TEST(Smooth, TheBallsOfThePhantomHaveTheseBits) {
+/// FNV-1a hashes of 64 bits over the bytes of each ball of the phantom, `bytes_of(mask)`.
+template <typename BytesOf>
+std::vector<std::uint64_t> hashes_of_balls(const BytesOf& bytes_of) {
   std::vector<std::uint64_t> hashes;
   for (const phantom::Ball& ball : phantom::kBalls) {
     const Mask mask = mask_of({phantom::kSize, phantom::kSize, phantom::kSize}, [&](auto i, auto j, auto k) {
       return ball.holds(static_cast<int>(i), static_cast<int>(j), static_cast<int>(k));
     });
-    hashes.push_back(hash_of(mask));
+    std::uint64_t& hash = hashes.emplace_back(0xcbf29ce484222325);
+    for (const std::uint8_t byte : bytes_of(mask)) hash = (hash ^ byte) * 0x100000001b3;
   }
-  EXPECT_EQ(hashes, (std::vector<std::uint64_t>{14514533835157610623u, 2287289982503310639u}));
+  return hashes;
+}
+
+TEST(Smooth, TheBallsOfThePhantomHaveTheseBits) {
+  EXPECT_EQ(hashes_of_balls([](const Mask& mask) { return smooth(surface_net(crop_of(mask))).offsets; }),
+            (std::vector<std::uint64_t>{14514533835157610623u, 2287289982503310639u}));
+}
+
+TEST(SmoothAcross, TheBallsOfThePhantomHaveTheseBits) {
+  const auto bytes_of = [](const Mask& mask) {
+    const Grid grid{.size = mask.size, .spacing_mm = {1, 1, 3}};
+    std::vector<std::uint8_t> bytes;
+    for (const auto& position : fit_surface(crop_of(mask), grid, SurfaceRule::kUneven).positions_ijk) {
+      for (const float x : position) {
+        for (const int shift : {0, 8})
+          bytes.push_back(static_cast<std::uint8_t>(std::lround(128 * (x + 1)) >> shift));
+      }
+    }
+    return bytes;
+  };
+  EXPECT_EQ(hashes_of_balls(bytes_of),
+            (std::vector<std::uint64_t>{2052277847884278138u, 9311814253933678522u}));
 }
 
 /// Errors against a shape of a closed form: angles of directions in degrees, distances of vertices in mm.
@@ -389,6 +226,118 @@ TEST(Smooth, SingleVoxelsAndLinesStayAsTheyAre) {
       EXPECT_NE(vertex.direction[axis], 0);
     }
   }
+}
+
+std::map<Edge, plain::Position> moved_across(const Mask& mask, const Vec3& spacing) {
+  const SurfaceNet net = surface_net(crop_of(mask));
+  const auto positions = smooth_across(net, smooth(net), {.size = mask.size, .spacing_mm = spacing});
+  std::map<Edge, plain::Position> vertices;
+  for (std::size_t v = 0; v < net.vertices.size(); ++v) {
+    const auto& [i, j, k] = net.vertices[v].voxel;
+    vertices[{i, j, k, static_cast<std::int64_t>(net.vertices[v].axis())}] = positions[v];
+  }
+  return vertices;
+}
+
+RC_GTEST_PROP(SmoothAcross, EqualsThePlainDefinition, ()) {
+  auto random = *random_source();
+  const Mask mask = random_mask(random);
+  constexpr std::array<double, 5> kSides{0.3, 0.95, 1, 1.6, 4.1};
+  Vec3 spacing{};
+  for (double& side : spacing) side = kSides[below(kSides.size(), random)];
+  RC_ASSERT(moved_across(mask, spacing) == plain::across_vertices(mask, spacing));
+}
+
+const Grid kGrid{.size = {60, 60, 15}, .spacing_mm = {1, 1, 4}};
+
+Vec3 mm(const std::array<float, 3>& ijk) {
+  return {double{ijk[0]} - 29.5, double{ijk[1]} - 29.5, 4 * (double{ijk[2]} - 7)};
+}
+
+/// The surfaces of smoothing 1 and 2 of the voxels with holds(x, y, z) in mm from the middle of the grid.
+template <typename Holds>
+std::array<SurfaceMesh, 2> smooth_both(const Holds& holds) {
+  const StructureCrop crop = crop_of(mask_of(kGrid.size, [&](auto i, auto j, auto k) {
+    const auto [x, y, z] = mm({static_cast<float>(i), static_cast<float>(j), static_cast<float>(k)});
+    return holds(x, y, z);
+  }));
+  return {fit_surface(crop, kGrid, SurfaceRule::kSmooth), fit_surface(crop, kGrid, SurfaceRule::kUneven)};
+}
+
+double enclosed_mm3(const SurfaceMesh& mesh) {
+  return enclosed_volume(mesh.triangles, [&](std::uint32_t v) { return mm(mesh.positions_ijk[v]); });
+}
+
+/// Root mean square distance from a tube of 12 mm around z, up to 14 mm from the middle slice.
+double rms_from_tube(const SurfaceMesh& mesh) {
+  double sum = 0, count = 0;
+  for (const auto& ijk : mesh.positions_ijk) {
+    const auto [x, y, z] = mm(ijk);
+    sum += std::abs(z) > 14 ? 0 : std::pow(std::hypot(x, y) - 12, 2);
+    count += std::abs(z) > 14 ? 0 : 1;
+  }
+  return std::sqrt(sum / count);
+}
+
+TEST(SmoothAcross, ContoursThatJumpFromSliceToSliceAreJoined) {
+  const auto [before, after] = smooth_both([&](double x, double y, double z) {
+    return std::hypot(x - 1.5 * std::sin(2.3 * z / 4), y) < 12 && std::abs(z) < 22;
+  });
+  EXPECT_EQ(after.triangles, before.triangles);
+  EXPECT_EQ(after.normals_lps, before.normals_lps);
+  EXPECT_GT(rms_from_tube(before), 0.5);
+  EXPECT_LT(rms_from_tube(after), 0.2);
+  double farthest = 0;
+  for (std::size_t v = 0; v < after.positions_ijk.size(); ++v) {
+    const Vec3 from = mm(before.positions_ijk[v]), to = mm(after.positions_ijk[v]);
+    farthest = std::max(farthest, std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]));
+  }
+  EXPECT_GT(farthest, 1);
+  EXPECT_LT(farthest, 2 + 4.0 / 128);  // half a slice, rounded
+}
+
+TEST(SmoothAcross, BallsVesselsAndSheetsKeepTheirSize) {
+  const auto change = [](const auto& holds) {
+    const auto [before, after] = smooth_both(holds);
+    return std::abs(enclosed_mm3(after) / enclosed_mm3(before) - 1);
+  };
+  EXPECT_LT(change([](double x, double y, double z) { return x * x + y * y + z * z < 400; }), 0.01);
+  const auto in_sheet = [](double slope) {
+    return [slope](double x, double y, double z) {
+      return std::abs(x - slope * z) <= 0.5 && std::abs(z) < 22 && std::abs(y) < 20;
+    };
+  };
+  for (const double slope : {0.0, 0.25}) {
+    const auto in_vessel = [&](double x, double y, double z) {
+      return std::hypot(x - slope * z, y) < 1.6 && std::abs(z) < 22;
+    };
+    EXPECT_LT(change(in_vessel), 0.1) << slope;
+    EXPECT_LT(change(in_sheet(slope)), 0.08) << slope;
+    const auto across = [&](double x, double y, double z) {
+      return std::abs(z + slope * x) <= 2 && std::hypot(x, y) < 22;
+    };
+    EXPECT_LT(change(across), 0.03) << slope;
+  }
+  EXPECT_LT(change(in_sheet(0.5)), 0.2);  // pieces of two voxels' distance, which touch nowhere
+}
+
+/// Two structures that fill the grid. Vertices reach 44 links far: 16 and 8 steps of smoothing 1, 20 of 2.
+TEST(SmoothAcross, StructuresThatTouchShareTheirBorder) {
+  const auto half = [](bool side) {
+    const auto holds = [&](auto, auto j, auto k) {
+      return (static_cast<double>(j) > 6 + 2.2 * std::sin(2.3 * static_cast<double>(k))) == side;
+    };
+    return moved_across(mask_of({96, 12, 96}, holds), {1, 1, 4});
+  };
+  const auto first = half(true), second = half(false);
+  int shared = 0;
+  for (const auto& [edge, position] : first) {
+    if (std::min(edge[0], edge[2]) < 45 || std::max(edge[0], edge[2]) > 50 || !second.contains(edge))
+      continue;
+    EXPECT_EQ(position, second.at(edge));
+    ++shared;
+  }
+  EXPECT_GT(shared, 36);
 }
 
 }  // namespace

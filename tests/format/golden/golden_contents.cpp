@@ -53,7 +53,7 @@ std::vector<GoldenContent> golden_contents() {
   std::vector<GoldenContent> contents{{"good", good_content()},
                                       {"compact", good_content(), true},
                                       {"means", good_content(), false, 1},
-                                      {"surfaces", fitted_by_all_rules(good_content())},
+                                      {"surfaces", fitted_by_all_rules(good_content(), 2)},
                                       {"nothing", nothing()},
                                       {"scenes", scenes()},
                                       {"turned", turned()}};

@@ -14,7 +14,7 @@ namespace {
 
 class ExportSurfaces : public BuildAtlas {
  protected:
-  static Image image_of(const std::vector<std::uint8_t>& voxels, const Vec3& spacing_mm = {1, 0.5, 0.8}) {
+  static Image image_of(const std::vector<std::uint8_t>& voxels, const Vec3& spacing_mm = {1, 0.85, 0.9}) {
     Image image;
     image.grid = {.size = {phantom::kSize, phantom::kSize, phantom::kSize}, .spacing_mm = spacing_mm};
     image.voxels.type = VoxelType::kUInt8;
@@ -24,7 +24,7 @@ class ExportSurfaces : public BuildAtlas {
   }
   /// Builds the phantom.
   std::string build_phantom(SurfaceRule rule, const std::string& name,
-                            const Vec3& spacing_mm = {1, 0.5, 0.8}) const {
+                            const Vec3& spacing_mm = {1, 0.85, 0.9}) const {
     BuildOptions options =
         this->options(image_of(phantom::labels(), spacing_mm), image_of(phantom::values(), spacing_mm));
     options.surfaces = rule;
@@ -96,20 +96,22 @@ TEST_F(ExportSurfaces, HaveTheGeometryThatPlayersDraw) {
   }
 }
 
-/// Files store the surfaces of thick slices; readers have their coarse levels.
-TEST_F(ExportSurfaces, OfThickSlicesAreThoseOfTheFile) {
+/// Readers derive the surfaces of thick slices, and their coarse levels.
+TEST_F(ExportSurfaces, OfThickSlicesAreDerived) {
   const std::string thick = build_phantom(SurfaceRule::kSmooth, "thick.atlas", {1, 1, 3});
   const auto atlas = Atlas::open(thick).value();
   EXPECT_TRUE(atlas->verify());
-  const SurfaceMesh stored = surface_of(thick, SurfaceChoice::kAsInFile);
-  EXPECT_EQ(stored.position_scale, kThickSliceScale);
-  EXPECT_EQ(stored.triangles.size(), 3704u);
-  EXPECT_EQ(surface_of(thick, SurfaceChoice::kVoxels), stored);
+  const SurfaceMesh smooth = surface_of(thick, SurfaceChoice::kAsInFile);
+  EXPECT_EQ(smooth.position_scale, static_cast<std::uint32_t>(SurfaceRule::kUneven));
+  EXPECT_EQ(smooth.triangles.size(), 3704u);
+  const std::string voxels = build_phantom(SurfaceRule::kVoxels, "voxels.atlas", {1, 1, 3});
+  EXPECT_EQ(surface_of(voxels, SurfaceChoice::kSmooth), smooth);
+  EXPECT_EQ(surface_of(thick, SurfaceChoice::kVoxels), surface_of(voxels, SurfaceChoice::kAsInFile));
   ASSERT_TRUE(atlas->has_levels(0));
-  EXPECT_LT(atlas->read_surface(0, 1)->triangles.size(), stored.triangles.size() / 3);
+  EXPECT_LT(atlas->read_surface(0, 1)->triangles.size(), smooth.triangles.size() / 3);
   EXPECT_FALSE(export_surface(thick, "thick.ply", SurfaceChoice::kAsInFile).empty());
   const auto back = value_or_throw(read_mesh(file("thick.ply")));
-  EXPECT_EQ(back.mesh.triangles.size(), stored.triangles.size());
+  EXPECT_EQ(back.mesh.triangles.size(), smooth.triangles.size());
 }
 
 }  // namespace

@@ -100,13 +100,12 @@ TEST(ExtractSurfaces, ThePlaneOfAnAnisotropicGridHasItsNormal) {
 }
 
 TEST(ExtractSurfaces, ThickSlicesAreSmoothedAcross) {
-  const auto scale = [](double thickness, SurfaceRule rule) {
+  const auto rule = [](double thickness) {
     const Grid grid{.size = kPhantomSize, .spacing_mm = {1, 1, thickness}};
-    return extract(phantom_masks(), grid, 2, rule).surfaces.surfaces[0].position_scale;
+    return SurfaceRule{extract(phantom_masks(), grid).surfaces.surfaces[0].position_scale};
   };
-  EXPECT_EQ(scale(2.5, SurfaceRule::kSmooth), kThickSliceScale);
-  EXPECT_EQ(scale(2, SurfaceRule::kSmooth), static_cast<std::uint32_t>(SurfaceRule::kSmooth));
-  EXPECT_EQ(scale(2.5, SurfaceRule::kVoxels), static_cast<std::uint32_t>(SurfaceRule::kVoxels));
+  EXPECT_EQ(rule(1.21), SurfaceRule::kUneven);
+  EXPECT_EQ(rule(1.2), SurfaceRule::kSmooth);
 }
 
 TEST(ExtractSurfaces, BoundaryNormalsStandInMemoryOrder) {
