@@ -49,17 +49,6 @@ TEST(CoarseSpans, LightTheSharesOfBoundaryVoxels) {
   }
 }
 
-TEST(CoarseSpans, AreNotLitUnlessTheRequestAsksForIt) {
-  const RandomScene scene = random_scene(1, 20);
-  PreparedSelection prepared(scene.content, scene.selection);
-  const SpanModel fine = prepared.spans(Axis::kZ);
-  const auto has_lights = [](const SliceSpans& slice) { return !slice.lights.empty(); };
-  ASSERT_TRUE(std::ranges::any_of(fine.slices, has_lights));
-  const CoarseSpans spans(fine, false, 1, prepared.pool);
-  EXPECT_GT(spans.model().voxels, 0u);
-  EXPECT_TRUE(std::ranges::none_of(spans.model().slices, has_lights));
-}
-
 TEST(VoxelSums, HaveAColourForTheSmallestEmissions) {
   const float least = std::numeric_limits<float>::denorm_min();
   EXPECT_EQ((VoxelSums{.emission = {least, 0, least}, .weight = least}.color()),
