@@ -7,29 +7,25 @@
 
 namespace splatlas {
 
-const ShownRows* LitSlices::rows(const SliceSpans* slice, double reach, std::int64_t n) {
+void LitSlices::light(const SliceSpans& slice, double reach, const RowRange& rows,
+                      std::span<const Blocks> visible, std::size_t place) {
   static thread_local std::array<SliceSpans, 2> lit;  // reuses memory
-  if (slice == nullptr) return nullptr;
-  const auto place = static_cast<std::size_t>(n & 1);
   ShownRows& shown = shown_[place];
-  if (std::exchange(unlit_[place], slice) == slice) return &shown;
-  shown.slice = slice;
+  shown.slice = &slice;
   shown.hidden.clear();
-  if (slice->lights.empty() || factors_.empty()) return &shown;
+  if (slice.lights.empty() || factors_.empty()) return;
   shown.slice = &lit[place];
-  find_hidden(static_cast<double>(slice->number), reach, shown);
-  light_rows(*slice, shown.rows, shown.hidden, factors_, lit[place]);
-  return &shown;
+  shown.rows = rows;
+  find_hidden(static_cast<double>(slice.number), reach, shown);
+  light_rows(slice, rows, visible, shown.hidden, factors_, lit[place]);
 }
 
-/// Finds the rows, and their blocks whose pixels are known to be opaque but for the last one, which supplies
+/// Finds the blocks of the rows whose pixels are known to be opaque but for the last one, which supplies
 /// the carry of the next.
 void LitSlices::find_hidden(double k, double reach, ShownRows& shown) {
   constexpr Blocks kAll{std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max()};
   const std::int64_t scale = window_.scale;
   const SliceRows first(shear_, window_, k - reach), last(shear_, window_, k + reach);
-  shown.rows = rows_of_band(first, scale, band_);
-  shown.rows.include(rows_of_band(last, scale, band_));
 
   // Blocks of each fine row that are opaque in all phases, at every shift
   const auto [low, high] = std::minmax({shear_.u_shift(k - reach), shear_.u_shift(k + reach)});

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "player/render/sheets/sheet_fragments.h"
@@ -26,11 +27,24 @@ class LitSlices {
             const BandImage& band)
       : shear_(shear), window_(window), factors_(factors), band_(band) {}
 
-  /// Rows of the n-th slice for slabs up to `reach` slices away; null for null. Valid until the call for
-  /// slice n + 2. Cost: a copy of the blocks.
-  [[nodiscard]] const ShownRows* rows(const SliceSpans* slice, double reach, std::int64_t n);
+  /// Rows of the n-th slice for slabs up to `reach` slices away, where `clip` shows them; null for null.
+  /// Valid until the call for slice n + 2. Cost: a copy of the blocks.
+  template <typename Clip>
+  [[nodiscard]] const ShownRows* rows(const SliceSpans* slice, double reach, std::int64_t n, Clip& clip) {
+    if (slice == nullptr) return nullptr;
+    const auto place = static_cast<std::size_t>(n & 1);
+    if (std::exchange(unlit_[place], slice) != slice) {
+      const auto k = static_cast<double>(slice->number);
+      RowRange rows = rows_of_band({shear_, window_, k - reach}, window_.scale, band_);
+      rows.include(rows_of_band({shear_, window_, k + reach}, window_.scale, band_));
+      light(*slice, reach, rows, clip.visible(k, rows.first, rows.last, reach), place);
+    }
+    return &shown_[place];
+  }
 
  private:
+  void light(const SliceSpans& slice, double reach, const RowRange& rows, std::span<const Blocks> visible,
+             std::size_t place);
   void find_hidden(double k, double reach, ShownRows& shown);
 
   const Shear& shear_;

@@ -48,7 +48,8 @@ class Band {
       check_task();
       if (pass_.window.parts == 1) {  // slabs around slices
         const auto k = static_cast<double>(slice.number);
-        if (!removes(k)) render_slab({*slices_.rows(&slice, 0, 0)->slice, k, {pass_.shear, pass_.window, k}});
+        if (!removes(k))
+          render_slab({*slices_.rows(&slice, 0, 0, clip_)->slice, k, {pass_.shear, pass_.window, k}});
         continue;
       }
       const std::int64_t n = from_viewer(slice.number - pass_.model.slice_first);
@@ -82,14 +83,16 @@ class Band {
   void render_between(std::int64_t n) {
     static thread_local SliceSpans mixed;
     const double reach = 1 - 0.5 / pass_.window.parts;
-    SlicePair pair{slices_.rows(slice(n), reach, n), slices_.rows(slice(n + 1), reach, n + 1), 0};
-    if (pair.before == nullptr && pair.behind == nullptr) return;
+    SlicePair pair;
     for (int part = 0; part < pass_.window.parts; ++part) {
       const double middle = (part + 0.5) / pass_.window.parts;
       const double k =
           static_cast<double>(pass_.model.slice_first) + from_viewer(static_cast<double>(n) + middle);
       pair.behind_weight = static_cast<float>(middle);
       if (removes(k)) continue;
+      pair.before = slices_.rows(slice(n), reach, n, clip_);
+      pair.behind = slices_.rows(slice(n + 1), reach, n + 1, clip_);
+      if (pair.before == nullptr && pair.behind == nullptr) return;
       const SliceRows slab(pass_.shear, pass_.window, k);
       const RowRange rows = rows_of_band(slab, scale_, image_);
       mix_slices(pair, rows, clip_.visible(k, rows.first, rows.last), pass_.kernels, mixed);
@@ -204,11 +207,12 @@ class BandClip {
     return slabs_.state(k, first, last) == ClipSlabs::State::kRemoved;
   }
 
-  /// Blocks of voxel rows [first, last) that the slab shows; empty: all.
-  [[nodiscard]] std::span<const Blocks> visible(double k, std::int64_t first, std::int64_t last) {
+  /// Blocks of voxel rows [first, last) that slabs up to `reach` slices away show; empty: all.
+  [[nodiscard]] std::span<const Blocks> visible(double k, std::int64_t first, std::int64_t last,
+                                                double reach = 0) {
     visible_.clear();
     for (std::int64_t row = first; row < last; ++row) {
-      const auto [first_voxel, last_voxel] = slabs_.visible_voxels(k, row);
+      const auto [first_voxel, last_voxel] = slabs_.visible_voxels(k, row, reach);
       visible_.push_back({first_voxel >> kBlockBits, (last_voxel + kBlock - 1) >> kBlockBits});
     }
     return visible_;

@@ -107,8 +107,8 @@ void OpticalArena::trim(std::uint64_t bytes) {
   });
 }
 
-void light_rows(const SliceSpans& slice, const RowRange& rows, std::span<const Blocks> hidden,
-                std::span<const float> factors, SliceSpans& lit) {
+void light_rows(const SliceSpans& slice, const RowRange& rows, std::span<const Blocks> visible,
+                std::span<const Blocks> hidden, std::span<const float> factors, SliceSpans& lit) {
   lit.number = slice.number;
   lit.emissions = slice.emissions;
   lit.first_row = std::max(rows.first, slice.first_row);
@@ -121,25 +121,33 @@ void light_rows(const SliceSpans& slice, const RowRange& rows, std::span<const B
   const BlockLights* lights = slice.lights.data();  // of the next blocks
   const BlockLights* const all_lights = lights + slice.lights.size();
   for (std::int64_t row = lit.first_row; row < lit.last_row; ++row) {
+    const auto n = static_cast<std::size_t>(row - rows.first);
+    const Blocks hole = hidden.empty() ? Blocks{} : hidden[n];
     lit.first_span.push_back(static_cast<std::uint32_t>(lit.spans.size()));
     for (const Span& span : slice.row(row)) {
+      Blocks shown{span.first_block, std::int64_t{span.first_block} + span.blocks};
+      if (!visible.empty())
+        shown = {std::max(shown.first, visible[n].first), std::min(shown.last, visible[n].last)};
+      if (shown.first >= shown.last) continue;
       if (lit.spans.empty())
         lights = std::ranges::lower_bound(lights, all_lights, span.offset, {}, &BlockLights::block);
-      lit.spans.push_back({span.first_block, span.blocks, span.voxels,
+      const auto count_of = [](std::int64_t first, std::int64_t last) {
+        return static_cast<std::uint32_t>(last - first);
+      };
+      const std::uint32_t blocks = count_of(shown.first, shown.last);
+      lit.spans.push_back({static_cast<std::uint32_t>(shown.first), blocks, span.voxels,
                            static_cast<std::uint32_t>(lit.optics.size() / floats)});
-      float* const to = lit.optics.append(span.blocks * floats);
-      const Blocks all{span.first_block, std::int64_t{span.first_block} + span.blocks};
-      const Blocks hole = hidden.empty() ? Blocks{} : hidden[static_cast<std::size_t>(row - rows.first)];
-      for (const Blocks& part : parts_outside(all, hole)) {
+      float* const to = lit.optics.append(blocks * floats);
+      for (const Blocks& part : parts_outside(shown, hole)) {
         if (part.first == part.last) continue;
-        const auto skipped = static_cast<std::uint32_t>(part.first - span.first_block);
-        const auto count = static_cast<std::uint32_t>(part.last - part.first), first = span.offset + skipped;
+        const std::uint32_t first = span.offset + count_of(span.first_block, part.first),
+                            count = count_of(part.first, part.last);
         while (lights != all_lights && lights->block < first) ++lights;
         const BlockLights* const first_light = lights;
         while (lights != all_lights && lights->block < first + count) ++lights;
         kernels.emit(
             {first, count, slice.emissions, slice.optics.data() + first * floats, {first_light, lights}},
-            factors.data(), to + skipped * floats);
+            factors.data(), to + count_of(shown.first, part.first) * floats);
       }
     }
   }

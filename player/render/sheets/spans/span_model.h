@@ -167,10 +167,10 @@ struct SpanModel {
   }
 };
 
-/// Copies rows of the grid, without the content of blocks that `hidden` names, unless it is empty. Multiplies
-/// the lit part of emissions by `factors[normal]`, 65536. `lit` is overwritten and keeps its capacity; it has
-/// neither lights nor a voxel count.
-void light_rows(const SliceSpans& slice, const RowRange& rows, std::span<const Blocks> hidden,
-                std::span<const float> factors, SliceSpans& lit);
+/// Copies rows of the grid; of each, only the blocks that `visible` names, without the content of those that
+/// `hidden` names, unless these are empty. Multiplies the lit part of emissions by `factors[normal]`, 65536.
+/// `lit` is overwritten and keeps its capacity; it has neither lights nor a voxel count.
+void light_rows(const SliceSpans& slice, const RowRange& rows, std::span<const Blocks> visible,
+                std::span<const Blocks> hidden, std::span<const float> factors, SliceSpans& lit);
 
 }  // namespace splatlas

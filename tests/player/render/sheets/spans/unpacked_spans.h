@@ -23,7 +23,7 @@ inline std::vector<reference::VoxelOptics> unpacked(const SpanModel& model, cons
     SliceSpans lit;
     const SliceSpans& slice = factors.empty() ? model.slices[s] : lit;
     for (std::int64_t row = 0; row < grid.size[scan.row_axis]; ++row) {
-      if (!factors.empty()) light_rows(model.slices[s], {row, row + 1}, {}, factors, lit);
+      if (!factors.empty()) light_rows(model.slices[s], {row, row + 1}, {}, {}, factors, lit);
       std::int64_t end_block = -1;
       for (const Span& span : slice.row(row)) {
         EXPECT_GT(span.first_block, end_block) << "else one span";
