@@ -110,7 +110,8 @@ class AcrossSlices {
   [[nodiscard]] Vec3f position(std::size_t v) const {
     constexpr auto kScale = static_cast<float>(SurfaceRule::kUneven);
     const NetVertex& vertex = net_.vertices[v];
-    const float offset = static_cast<float>(smoothed_.offsets[v] - SmoothedNet::kScale / 2);
+    constexpr auto kMiddle = SmoothedNet::kScale / 2;
+    const auto offset = static_cast<float>(smoothed_.offsets[v] - kMiddle);
     Vec3f position;
     for (std::size_t a = 0; a < 3; ++a) {
       const bool is_along = a == vertex.axis();
