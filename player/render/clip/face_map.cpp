@@ -197,7 +197,7 @@ void FaceMap::add_solids(const VoxelPlane& plane, const FaceScene& scene, Thread
   }
   std::ranges::sort(solids_, [](const FaceStyle& a, const FaceStyle& b) { return b.hides(a); });
   std::vector<const SurfaceMesh*> meshes;
-  for (const FaceStyle& solid : solids_) meshes.push_back(&scene.cache.surface(solid.structure));
+  for (const FaceStyle& solid : solids_) meshes.push_back(&scene.cache.surface(solid.structure).mesh);
   // Of surfaces in the plane, those of the kept side count
   const VoxelPlane inside{plane.normal, plane.offset - kTie};
   outlines_ = SolidOutlines(inside, b_, c_, meshes, pool);

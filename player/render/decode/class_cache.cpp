@@ -4,6 +4,7 @@
 #include <cstring>
 #include <functional>
 #include <map>
+#include <mutex>
 
 #include "format/derive/value_groups.h"
 #include "format/file/directory.h"
@@ -101,7 +102,7 @@ std::uint64_t ClassCache::bytes() const {
     for (const auto& runs : decoded.run_count) bytes += runs.value_or(0) * sizeof(ClassRun);
   }
   for (const auto& level : surfaces_) {
-    for (const auto& [s, surface] : level) bytes += surface.mesh.triangles.size() * kBytesPerTriangle;
+    for (const auto& [s, surface] : level) bytes += surface->mesh.triangles.size() * kBytesPerTriangle;
   }
   return bytes;
 }
@@ -237,6 +238,27 @@ void ClassCache::forget_lost_normals(ClassId c, StructureIndex structure) {
     known->second.has_normals = false;
 }
 
+Result<ClassCache::SharedSurface> ClassCache::decode_surface(StructureIndex s, int level) const {
+  // Caches own their atlas: its address is that of another one only once all of its surfaces are gone
+  static std::mutex mutex;
+  static std::map<std::tuple<const Atlas*, StructureIndex, std::size_t>, std::weak_ptr<const DecodedSurface>>
+      known;
+  const std::tuple key(atlas_.get(), s, kept_level(s, level));
+  {
+    const std::lock_guard lock(mutex);
+    if (SharedSurface found = known[key].lock()) return found;
+  }
+  SPLATLAS_ASSIGN_OR_RETURN(SurfaceMesh mesh, atlas_->read_surface(s, level));
+  SurfaceClusters clusters(mesh, atlas_->grid());
+  const auto decoded =
+      std::make_shared<const DecodedSurface>(DecodedSurface{std::move(mesh), std::move(clusters)});
+  const std::lock_guard lock(mutex);
+  if (SharedSurface quicker = known[key].lock()) return quicker;
+  std::erase_if(known, [](const auto& each) { return each.second.expired(); });
+  known[key] = decoded;
+  return decoded;
+}
+
 Result<void> ClassCache::require_surfaces(std::span<const StructureIndex> structures, ThreadPool& pool,
                                           int level) {
   failed_surfaces_.clear();
@@ -245,18 +267,9 @@ Result<void> ClassCache::require_surfaces(std::span<const StructureIndex> struct
     if (!surfaces_[kept_level(s, level)].contains(s)) missing.push_back(s);
   }
   // Large ones first, for load balance
-  std::ranges::stable_sort(missing, std::greater{}, [&](StructureIndex s) {
-    std::uint64_t voxels = 0;
-    for (const ClassId c : atlas_->tree().boundary_classes(s)) voxels += atlas_->classes().voxels(c);
-    return voxels;
-  });
-  std::vector<Result<DecodedSurface>> surfaces(missing.size());
-  pool.for_each(missing.size(), [&](std::size_t n) {
-    surfaces[n] = atlas_->read_surface(missing[n], level).map([&](SurfaceMesh&& mesh) {
-      SurfaceClusters clusters(mesh, atlas_->grid());
-      return DecodedSurface{std::move(mesh), std::move(clusters)};
-    });
-  });
+  std::ranges::stable_sort(missing, std::greater{}, [&](StructureIndex s) { return atlas_->triangles(s); });
+  std::vector<Result<SharedSurface>> surfaces(missing.size());
+  pool.for_each(missing.size(), [&](std::size_t n) { surfaces[n] = decode_surface(missing[n], level); });
   for (std::size_t n = 0; n < missing.size(); ++n) {
     if (surfaces[n]) {
       surfaces_[kept_level(missing[n], level)].emplace(missing[n], std::move(*surfaces[n]));

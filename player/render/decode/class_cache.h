@@ -88,10 +88,15 @@ struct LightState {
 };
 
 /// Cache of an atlas's classes and surfaces: a new selection reads only its new parts. Values (and light)
-/// of all decoded classes share one volume in memory order of the grid. Only written pages are resident. Not
-/// thread-safe, except for const members.
+/// of all decoded classes share one volume in memory order of the grid. Only written pages are resident.
+/// Caches of one atlas share surfaces. A cache is not thread-safe, except for const members.
 class ClassCache {
  public:
+  struct DecodedSurface {
+    SurfaceMesh mesh;
+    SurfaceClusters clusters;
+  };
+
   explicit ClassCache(std::shared_ptr<const Atlas> atlas) : atlas_(std::move(atlas)) {}
 
   /// Makes parts of `classes` available, with runs of `axis`; reads only missing parts, in parallel. Normals
@@ -128,15 +133,12 @@ class ClassCache {
 
   /// The runs of all classes that have been required for an axis.
   [[nodiscard]] const ScanlineRuns& runs(Axis axis) const { return runs_[static_cast<std::size_t>(axis)]; }
-  /// Number of runs, surface and its clusters; the class, axis or structure must have been required.
+  /// Number of runs, and a surface; the class, axis or structure must have been required.
   [[nodiscard]] std::size_t run_count(ClassId c, Axis axis) const {
     return *classes_.at(c).run_count[static_cast<std::size_t>(axis)];
   }
-  [[nodiscard]] const SurfaceMesh& surface(StructureIndex s, int level = 0) const {
-    return decoded_surface(s, level).mesh;
-  }
-  [[nodiscard]] const SurfaceClusters& clusters(StructureIndex s, int level = 0) const {
-    return decoded_surface(s, level).clusters;
+  [[nodiscard]] const DecodedSurface& surface(StructureIndex s, int level = 0) const {
+    return *surfaces_[kept_level(s, level)].at(s);
   }
   /// Values in memory order of the grid, defined at voxels of required classes; null for an atlas without.
   [[nodiscard]] const std::byte* values() const { return values_.data(); }
@@ -168,16 +170,12 @@ class ClassCache {
     bool has_values = false, has_normals = false;
     LightState light;
   };
-  struct DecodedSurface {
-    SurfaceMesh mesh;
-    SurfaceClusters clusters;
-  };
+  using SharedSurface = std::shared_ptr<const DecodedSurface>;
+  /// Decodes a surface, unless another cache of this atlas has it: both then share it.
+  [[nodiscard]] Result<SharedSurface> decode_surface(StructureIndex s, int level) const;
   /// The level as which a surface is kept.
   [[nodiscard]] std::size_t kept_level(StructureIndex s, int level) const {
     return level > 0 && atlas_->has_levels(s) ? static_cast<std::size_t>(level) : 0;
-  }
-  [[nodiscard]] const DecodedSurface& decoded_surface(StructureIndex s, int level) const {
-    return surfaces_[kept_level(s, level)].at(s);
   }
   struct Missing;
   [[nodiscard]] std::vector<Missing> missing_of(std::span<const ClassId> classes, Axis axis,
@@ -189,7 +187,7 @@ class ClassCache {
   std::shared_ptr<const Atlas> atlas_;
   std::unordered_map<ClassId, DecodedClass> classes_;
   std::array<ScanlineRuns, 3> runs_;
-  std::array<std::unordered_map<StructureIndex, DecodedSurface>, Coverage::kMaxLevel + 1>
+  std::array<std::unordered_map<StructureIndex, SharedSurface>, Coverage::kMaxLevel + 1>
       surfaces_;  // by level
   std::vector<FailedClass> failed_classes_;
   std::vector<FailedSurface> failed_surfaces_;

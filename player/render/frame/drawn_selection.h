@@ -51,8 +51,8 @@ class DrawnSelection {
   [[nodiscard]] std::vector<SurfaceDraw> surfaces(const ClassCache& cache, int level) const {
     std::vector<SurfaceDraw> draws;
     for (const StructureIndex s : plan_.surfaces) {
-      draws.push_back(
-          surface_draw(s, selection_.structures[s], cache.surface(s, level), cache.clusters(s, level)));
+      const ClassCache::DecodedSurface& of = cache.surface(s, level);
+      draws.push_back(surface_draw(s, selection_.structures[s], of.mesh, of.clusters));
     }
     return draws;
   }

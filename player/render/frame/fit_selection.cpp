@@ -287,7 +287,7 @@ FitExtents extents_of(const DrawPlan& plan, const Atlas& atlas, const ClassCache
     extents = extents_of_volume(runs, cut_planes, planes, pool);
   }
   for (const StructureIndex s : plan.surfaces) {
-    extents.include(extents_of_surface(cache.surface(s, surface_level), cut_planes, planes, pool));
+    extents.include(extents_of_surface(cache.surface(s, surface_level).mesh, cut_planes, planes, pool));
   }
   return extents;
 }

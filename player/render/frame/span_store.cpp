@@ -53,7 +53,12 @@ SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& vie
 
   const std::uint64_t voxels = plan.volume_voxels + plan.hybrid_voxels;
   const std::uint64_t bytes = span_model_bytes(voxels, std::min(runs.count(), voxels));
-  make_room(axis, bytes, max_bytes);
+  // Keep one axis; for drafts, which follow the pointer to and fro, two if memory holds them
+  const bool keeps_two = options.quality == Quality::kDraft && 2 * bytes <= max_bytes;
+  for (const Axis other : kAxes) {
+    const bool is_kept = other == axis || (keeps_two && (axis == latest_ || other == latest_));
+    if (!is_kept || bytes > max_bytes) spans_[static_cast<std::size_t>(other)].reset();
+  }
   std::optional<AxisSpans>& spans = spans_[static_cast<std::size_t>(axis)];
 
   // Choose the detail
@@ -114,16 +119,6 @@ SheetSpans SpanStore::in_strips(const SpanSource& source, SelectedRuns runs, std
                     });
 }
 
-void SpanStore::make_room(Axis axis, std::uint64_t bytes, std::uint64_t max_bytes) {
-  auto axes = static_cast<std::uint64_t>(
-      std::ranges::count_if(spans_, [](const auto& each) { return each.has_value(); }));
-  if (!spans_[static_cast<std::size_t>(axis)]) ++axes;
-  if (axes * bytes <= max_bytes) return;
-  for (const Axis other : kAxes) {
-    if (other != axis || bytes > max_bytes) spans_[static_cast<std::size_t>(other)].reset();
-  }
-}
-
 bool SpanStore::require_blocks(const SpanSource& source, ThreadPool& pool) {
   if (blocks_) return true;
   Result<std::unique_ptr<BlockVolume>> volume = BlockVolume::read(source.atlas, source.plan, pool);
@@ -158,12 +153,8 @@ void SpanStore::outdate() {
   strip_runs_.reset();
   for (const Axis axis : kAxes) {
     std::optional<AxisSpans>& spans = spans_[static_cast<std::size_t>(axis)];
-    if (!spans) continue;
-    if (axis == latest_) {
-      spans->runs.reset();
-    } else {
-      spans.reset();
-    }
+    if (axis != latest_) spans.reset();
+    if (spans) spans->runs.reset();
   }
 }
 

@@ -49,8 +49,8 @@ struct AxisSpans {
   void require(const SpanSource& source, SelectedRuns selected, ThreadPool& pool);
 };
 
-/// Cache of spans by axis. Keeps the spans of the latest axis after a change of selection, and reuses their
-/// unchanged parts. Not thread-safe.
+/// Cache of spans by axis: of one, for drafts of two. Keeps the spans of the latest axis after a change of
+/// selection, and reuses their unchanged parts. Not thread-safe.
 class SpanStore {
  public:
   /// Prepares the volume of a frame: chooses its detail, builds spans unless they are current.
@@ -77,8 +77,6 @@ class SpanStore {
   [[nodiscard]] const SelectedRuns* runs(Axis axis) const;
 
  private:
-  /// Frees spans that leave too little memory for those of an axis, of `bytes` along each.
-  void make_room(Axis axis, std::uint64_t bytes, std::uint64_t max_bytes);
   /// Spans of the voxels for sheets in so many strips.
   [[nodiscard]] SheetSpans in_strips(const SpanSource& source, SelectedRuns runs, std::vector<float> factors,
                                      std::uint64_t strips, ThreadPool& pool);

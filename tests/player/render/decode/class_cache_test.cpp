@@ -63,7 +63,12 @@ TEST(ClassCache, HoldsWhatTheAtlasHolds) {
     std::vector<StructureIndex> structures;
     for (StructureIndex s = 0; s < atlas->graph().size(); ++s) structures.push_back(s);
     ASSERT_TRUE(cache.require_surfaces(structures, pool));
-    for (const StructureIndex s : structures) ASSERT_EQ(cache.surface(s), scene.content.surfaces[s]);
+    ClassCache other(atlas);  // shares the surfaces
+    ASSERT_TRUE(other.require_surfaces(structures, pool));
+    for (const StructureIndex s : structures) {
+      ASSERT_EQ(cache.surface(s).mesh, scene.content.surfaces[s]);
+      ASSERT_EQ(&other.surface(s), &cache.surface(s));
+    }
   }
 }
 
