@@ -252,7 +252,7 @@ class BandClip {
 
 /// Rows of a band in voxels: few enough for load balance and, with fragments, for their samples to stay in
 /// cache.
-constexpr std::int64_t kMaxBandRows = 16, kMaxRowsWithFragments = 4;
+constexpr std::int64_t kMaxBandRows = 16, kMaxRowsWithFragments = 8;
 /// Maximum size of a band's accumulation buffer, which should fit the L2 cache.
 constexpr std::int64_t kBandBytes = std::int64_t{1} << 18;
 
