@@ -24,7 +24,7 @@ struct VoxelLight {
 inline constexpr int kBlockBits = 4;
 inline constexpr std::int64_t kBlock = std::int64_t{1} << kBlockBits;
 
-/// The lights of the voxels of a block. Voxels of blocks without have light 0.
+/// The lights of the voxels of a block. Voxels of unlisted blocks have light 0.
 struct BlockLights {
   std::uint32_t block = 0;  ///< number in its slice
   std::array<VoxelLight, kBlock> lights{};

@@ -78,7 +78,7 @@ SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& vie
     stats.select_ms += stats.traversal.wall_ms;
     return {std::move(spans), of_spans, grid, detail};
   };
-  const std::vector<float> factors = shade ? lighting.table() : std::vector<float>();
+  std::vector<float> factors = shade ? lighting.table() : std::vector<float>();
   if (!stats.strips) blocks_.reset();
   if (detail.level > 0) {
     if (!has_means) {
@@ -89,17 +89,19 @@ SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& vie
       means_.emplace(spans->spans.model(), shade, detail.level, pool);
     }
     const Grid of_means = coarse_grid(atlas->grid(), detail.level);
-    return volume_of(SheetSpans(means_->model(), factors), factorise(view, of_means, &axis), of_means);
+    return volume_of(SheetSpans(means_->model(), std::move(factors)), factorise(view, of_means, &axis),
+                     of_means);
   }
   latest_ = axis;
   if (stats.strips) {
     const std::uint64_t strips = bytes / std::max<std::uint64_t>(max_bytes, 1) + 1;
-    return {in_strips(source, std::move(runs), factors, strips, pool), shear, atlas->grid(), detail};
+    return {in_strips(source, std::move(runs), std::move(factors), strips, pool), shear, atlas->grid(),
+            detail};
   }
   strip_.reset();
   if (!spans) spans.emplace();
   spans->require(source, std::move(runs), pool);
-  return volume_of(SheetSpans(spans->spans.model(), factors), shear, atlas->grid());
+  return volume_of(SheetSpans(spans->spans.model(), std::move(factors)), shear, atlas->grid());
 }
 
 SheetSpans SpanStore::in_strips(const SpanSource& source, SelectedRuns runs, std::vector<float> factors,

@@ -53,11 +53,11 @@ struct AxisSpans {
 /// selection, and reuses their unchanged parts. Not thread-safe.
 class SpanStore {
  public:
-  /// Prepares the volume of a frame: chooses its detail, builds spans unless they are current.
-  /// Blocks take the place of means of spans that would take long. Spans that may take more than
-  /// `max_bytes` are built strip by strip while the frame is drawn; all arguments must outlive it. Sets the
-  /// traversal and counters of the statistics, and adds the time to build spans to `select_ms`. Valid until
-  /// the next call. Throws std::bad_alloc.
+  /// Prepares the volume of a frame: chooses its detail, and builds spans unless they are current. Blocks
+  /// take the place of means of spans that would take long. Spans that may take more than `max_bytes` are
+  /// built strip by strip while the frame is drawn; all arguments must outlive it. Sets the traversal and
+  /// counters of the statistics, and adds the time to build spans to `select_ms`. Valid until the next call.
+  /// Throws std::bad_alloc.
   [[nodiscard]] SheetVolume prepare(const SpanSource& source, const ParallelView& view, const Shear& shear,
                                     const Lighting& lighting, const RenderOptions& options,
                                     std::uint64_t max_bytes, RenderStats& stats, ThreadPool& pool);

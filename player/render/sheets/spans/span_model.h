@@ -115,7 +115,7 @@ struct SliceSpans {
   std::int64_t first_row = 0, last_row = 0;  ///< spans are in rows [first_row, last_row) of the grid
   std::vector<std::uint32_t> first_span;     ///< last_row - first_row + 1 offsets; empty without spans
   std::vector<Span> spans;                   ///< by row, then position
-  OpticalBuffer optics;                      ///< of all blocks, unlit
+  OpticalBuffer optics;                      ///< of all blocks; unlit in a SpanModel
   std::vector<BlockLights> lights;           ///< of blocks with lit voxels, ascending
   std::uint64_t voxels = 0;                  ///< selected voxels with an extinction above 0
 
