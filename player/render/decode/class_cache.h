@@ -156,6 +156,7 @@ class ClassCache {
   [[nodiscard]] const VoxelLight* light(std::size_t voxel, bool boundary) const {
     return boundary || values() != nullptr ? lights() + voxel : nullptr;
   }
+  [[nodiscard]] std::size_t bytes_of_lights() const { return lights_.size(); }
   [[nodiscard]] VoxelLight* lights() { return reinterpret_cast<VoxelLight*>(lights_.data()); }
   /// State of the light of a required class.
   [[nodiscard]] LightState& light_state(ClassId c) { return classes_.at(c).light; }

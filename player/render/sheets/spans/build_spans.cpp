@@ -27,12 +27,17 @@ constexpr std::size_t kSlicesAtOnce = 8;
 /// Limit for idle and fragmented arena memory, unless the model itself uses more.
 constexpr std::uint64_t kMaxUnusedBytes = std::uint64_t{64} << 20;
 
-/// Prefetches grey values of a following row, usually with similar runs; rows may be far apart in memory.
-void prefetch(std::size_t voxel, std::size_t voxels, const ClassCache& cache) {
+/// Prefetches the grey values of a following row, usually with similar runs, and its light if it is shaded.
+/// Rows may be far apart in memory.
+void prefetch(std::size_t voxel, std::size_t voxels, const ClassCache& cache, bool shade) {
   constexpr std::size_t kLine = 64;
-  const std::size_t last = std::min((voxel + voxels) * cache.value_bytes(), cache.bytes_of_values());
-  for (std::size_t at = voxel * cache.value_bytes(); at < last; at += kLine)
-    hwy::Prefetch(cache.values() + at);
+  const auto lines = [&](const std::byte* grid, std::size_t voxel_bytes, std::size_t bytes) {
+    const std::size_t last = std::min((voxel + voxels) * voxel_bytes, bytes);
+    for (std::size_t at = voxel * voxel_bytes; at < last; at += kLine) hwy::Prefetch(grid + at);
+  };
+  lines(cache.values(), cache.value_bytes(), cache.bytes_of_values());
+  if (shade)
+    lines(reinterpret_cast<const std::byte*>(cache.lights()), sizeof(VoxelLight), cache.bytes_of_lights());
 }
 
 }  // namespace
@@ -109,14 +114,15 @@ std::vector<RowRange> SpanBuilder::changed_rows(const SpanRequest& request, cons
     differ[c] = appearances_.differ(appearances_before, c);
     if (differ[c]) box.include(request.classes.box(c));
   }
+  const auto differs = [&](const ClassRun& run) { return differ[run.id]; };
   changed.assign(changed.size(), {});
-  for (std::int64_t slice = box.first[scan.slice_axis]; slice <= box.last[scan.slice_axis]; ++slice) {
-    RowRange rows;
-    for (const ClassRun& run : request.cache.runs(model_.axis).slice(slice)) {
-      if (differ[run.id]) rows.include({run.row, run.row + 1});
-    }
-    const std::size_t end = model_.place_of(slice + 1);
-    for (std::size_t n = model_.place_of(slice); n < end; ++n) changed[n].include(rows);
+  for (std::size_t n = 0; n < changed.size(); ++n) {
+    const std::int64_t slice = model_.slices[n].number;
+    if (slice < box.first[scan.slice_axis] || slice > box.last[scan.slice_axis]) continue;
+    const std::span<const ClassRun> runs = request.cache.runs(model_.axis).slice(slice);  // by row
+    const auto first = std::find_if(runs.begin(), runs.end(), differs);
+    if (first == runs.end()) continue;
+    changed[n] = {first->row, std::find_if(runs.rbegin(), runs.rend(), differs)->row + 1};
   }
   return changed;
 }
@@ -162,7 +168,8 @@ void SpanBuilder::write_slice(const SpanRequest& request, const RowRange& rows, 
     const SpanAppearance& appearance = appearances_.appearances[piece.appearance];
     const std::size_t voxel =
         first_voxel + static_cast<std::size_t>(piece.row) * row_step + piece.start * scan_step;
-    if (model_.axis == Axis::kY) prefetch(voxel + kRowsAhead * row_step, piece.length, request.cache);
+    if (model_.axis == Axis::kY)
+      prefetch(voxel + kRowsAhead * row_step, piece.length, request.cache, request.shade);
     writer.add(piece.start, piece.length);
     appearance.volume.look_up(request.cache.values(), voxel, scan_step, piece.length,
                               writer.extinctions(piece.start), writer.whites(piece.start));
