@@ -51,10 +51,10 @@ struct RenderOptions {
   PictureSize size{512, 512};
   Quality quality = Quality::kNormal;
   Classification classification = Classification::kBefore;
-  /// Time for a draft, in ms; 0: as much as it takes. Within a budget, without cuts, ids, depth maps and
-  /// depth cue:
-  ///   - Rays end where the nearest pixel centre meets an opaque surface: several times as fast; silhouettes
-  ///     in the volume are rough by a pixel.
+  /// Time for a draft, in ms; 0: as much as it takes. Within a budget, without ids, depth maps and depth
+  /// cue:
+  ///   - Rays end where the nearest pixel centre meets an opaque surface or face of a cut: several times as
+  ///     fast; silhouettes in the volume are rough by a pixel.
   ///   - After a draft that took longer, sheets have one pixel per voxel, and then pre-classified volumes are
   ///     drawn from means of 2^n voxels along each axis, at most 6 picture pixels wide.
   ///   - Surfaces are those of blocks of 2^n voxels, at most 3 pixels wide, or 6 after a late draft.

@@ -117,7 +117,7 @@ struct Renderer::Impl {
     const Axis axis = draws_by_rays(drawn.plan(), frame.view(), options)
                           ? Axis::kZ
                           : factorise(frame.view().plane, atlas->grid()).principal;
-    const bool rough = may_be_rough(options);
+    const bool rough = may_be_rough(options) && options.cuts.empty();
     const int level = rough ? decoded.quick_level(drawn.plan()) : 0;
     SPLATLAS_RETURN_IF_ERROR(decode(axis, options, rough ? VoxelParts::kRuns : parts_of(options), level));
     fit_decode_ms += watch.lap().wall_ms;
@@ -226,6 +226,9 @@ struct Renderer::Impl {
     call.task.begin_stage(kDecoded, 5);  // classes, their runs twice, light, surfaces
     Stopwatch watch;
     stats.surface_level = decoded.surface_level(drawn.plan(), voxel_pixels, options, pool);
+    // Faces are those of surfaces of level 0
+    if (stats.surface_level > 0 && shows_faces(options))
+      SPLATLAS_RETURN_IF_ERROR(decode(axis, options, VoxelParts::kNone));
     // Surfaces first: a damaged one leaves the plan, and blocks are those of a plan
     const bool waits = decoded.waits_for_values(drawn.plan(), voxel_pixels, options, pool);
     if (waits) SPLATLAS_RETURN_IF_ERROR(decode(axis, options, VoxelParts::kNone, stats.surface_level));

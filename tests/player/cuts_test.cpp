@@ -98,6 +98,14 @@ TEST(Cuts, ClipHomogeneousBlocksExactly) {
         const Picture picture = render_or_throw(renderer, Camera::of(NamedView::kAnterior), options);
         const double expected = 1 - std::pow(0.9, 5.2 - front_mm);
         EXPECT_NEAR(middle_pixel(picture)[3], expected, 1e-5) << front_mm;
+        if (quality != Quality::kDraft) continue;
+        options.draft_budget_ms = 1e-9;  // the next draft is of blocks of voxels, linear between sheet pixels
+        options.cuts = cuts_of({{{0, -1, 0}, -front_mm}, {{0, 2, 0}, 2 * 5.2}});
+        static_cast<void>(render_or_throw(renderer, Camera::of(NamedView::kAnterior), options));
+        const Frame late = frame_or_throw(renderer, Camera::of(NamedView::kAnterior), options);
+        EXPECT_EQ(late.stats.level > 0, classification == Classification::kBefore);
+        EXPECT_NEAR(middle_pixel(late.picture)[3], expected, 1e-5) << front_mm;
+        options.draft_budget_ms = 0;
       }
     }
   }
@@ -213,23 +221,28 @@ TEST(Cuts, OfPaintedSurfacesHaveThePictureOfFragments) {
   }
 }
 
-/// Spans that a cut hides are not lit, and stay when another structure changes.
-TEST(Cuts, LeaveNoVoxelUnlitForLaterSelections) {
-  TestVolume volume;
-  volume.grid.size = {8, 30, 40};
-  volume.structures = {{"front", box_mask(volume.grid.size, {1, 2, 1}, {6, 8, 38})},
-                       {"back", box_mask(volume.grid.size, {1, 20, 1}, {6, 26, 38})}};
-  const AtlasContent content = make_content(volume);
-  const Camera camera{.azimuth_deg = 20};
-  RenderOptions cut{.size = {40, 60}};
-  ASSERT_TRUE(cut.cuts.add({{0, 0, 1}, 10}));
-  Renderer used(open_in_memory(content), {2, 0});
-  ASSERT_TRUE(used.select(selection_of("*:volume", content.graph)));
-  (void)render_or_throw(used, camera, cut);
-  const Selection changed = selection_of("front:volume + back:volume(opacity=0.5)", content.graph);
-  ASSERT_TRUE(used.select(changed));
-  EXPECT_EQ(render_or_throw(used, camera, {.size = {40, 60}}).rgba,
-            render_or_throw(content, changed, camera, {.size = {40, 60}}).rgba);
+/// Drafts within a budget end rays at opaque faces and surfaces, and put faces around the volume.
+TEST(Cuts, KeepTheirPictureInDraftsWithinABudget) {
+  const AtlasContent content = halves();
+  for (const char* text : {"*:volume(opacity=0.3)", "l:volume(profile=hard) + r:volume(opacity=0.2)",
+                           "l:surface + r:volume(opacity=0.3)"}) {
+    Renderer renderer = renderer_of(content, selection_of(text, content.graph));
+    for (const auto projection : {CameraProjection::kParallel, CameraProjection::kPerspective}) {
+      const Camera camera{.azimuth_deg = 50, .elevation_deg = 25, .projection = projection};
+      RenderOptions options{.size = {160, 150}, .quality = Quality::kDraft};
+      options.cuts = cuts_of({{{0.3, -1, 0.2}, 1}, {{0.8, 0.8, 0}, 6}});
+      const std::vector<float> exact = render_or_throw(renderer, camera, options).rgba;
+      options.draft_budget_ms = 1e6;
+      const std::vector<float> rough = render_or_throw(renderer, camera, options).rgba;
+      int shown = 0, differ = 0;
+      for (std::size_t n = 0; n < exact.size(); ++n) {
+        shown += exact[n] > 0 ? 1 : 0;
+        differ += std::abs(rough[n] - exact[n]) > 0.01f ? 1 : 0;
+      }
+      EXPECT_GT(shown, 10000);
+      EXPECT_LT(differ, shown / 40) << text;  // silhouettes in the volume
+    }
+  }
 }
 
 /// Removed spans cost nothing.

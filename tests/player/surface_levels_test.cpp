@@ -116,15 +116,14 @@ TEST(SurfaceLevels, PicksNameWhatTheDraftShows) {
   EXPECT_GT(picked, 50);
 }
 
-/// Cuts, ids and depth maps are exact, and so are surfaces that do not follow from the voxels.
+/// Ids and depth maps are exact, and so are surfaces that do not follow from the voxels.
 TEST(SurfaceLevels, KeepExactWhatMustBe) {
   const AtlasContent content = two_halves();
   Renderer renderer = renderer_of(content, selection_of("left:surface", content.graph));
   const Camera camera = camera_of(content, 0.35);
-  RenderOptions cut = draft(kAmple), ids = draft(kAmple), depths = draft(kAmple);
-  ASSERT_TRUE(cut.cuts.add({{1, 0, 0}, 40}));
+  RenderOptions ids = draft(kAmple), depths = draft(kAmple);
   ids.ids = depths.depths = true;
-  for (const RenderOptions& options : {cut, ids, depths})
+  for (const RenderOptions& options : {ids, depths})
     EXPECT_EQ(frame_or_throw(renderer, camera, options).stats.surface_level, 0);
   AtlasContent external = two_halves();
   external.surfaces[0].positions_ijk[0][0] += 1.0f / 256;  // no longer that of the voxels

@@ -70,10 +70,9 @@ Result<CutFaces> CutFaces::build(const CutPlanes& planes, const FaceScene& scene
   return faces;
 }
 
-Face CutFaces::face(const FaceSample& sample, CapMode mode, float depth) const {
-  if (sample.style == nullptr) return {};
+void CutFaces::set(const FaceSample& sample, CapMode mode, float depth, Face& out) const {
+  if (sample.style == nullptr) return;
   const FaceStyle& style = *sample.style;
-  Face face{{}, depth, style.structure};
   const float light = linear_light().of(sample.grey);
   std::array<float, 3> color = style.color;
   if (mode == CapMode::kValues) {
@@ -81,23 +80,24 @@ Face CutFaces::face(const FaceSample& sample, CapMode mode, float depth) const {
   } else if (mode == CapMode::kBoth && has_greys_) {
     color = tinted(light, style.color);
   }
-  for (std::size_t c = 0; c < 3; ++c) face.rgba[c] = style.opacity * color[c];
-  face.rgba[3] = style.opacity;
-  return face;
+  for (std::size_t c = 0; c < 3; ++c) out.rgba[c] = style.opacity * color[c];
+  out.rgba[3] = style.opacity;
+  out.depth = depth;
+  out.structure = style.structure;
 }
 
 RayFaces ViewFaces::through(double x, double y) const {
   RayFaces faces;
   const ClipInterval kept = rays_.through(x, y);
   if (kept.empty()) return faces;
-  const auto face_at = [&](int plane, double t) {
+  const auto set = [&](int plane, double t, Face& out) {
     const Vec3 index = rays_.index_at(x, y, t);
     const FaceMap& map = faces_.map(plane);
-    return faces_.face(map.at(index[map.axis_b()], index[map.axis_c()]), mode_,
-                       static_cast<float>(sign_ * index[axis_]));
+    faces_.set(map.at(index[map.axis_b()], index[map.axis_c()]), mode_,
+               static_cast<float>(sign_ * index[axis_]), out);
   };
-  if (kept.front != ClipInterval::kNoPlane) faces.front = face_at(kept.front, kept.from);
-  if (kept.back != ClipInterval::kNoPlane) faces.back = face_at(kept.back, kept.to);
+  if (kept.front != ClipInterval::kNoPlane) set(kept.front, kept.from, faces.front);
+  if (kept.back != ClipInterval::kNoPlane) set(kept.back, kept.to, faces.back);
   return faces;
 }
 
@@ -151,7 +151,7 @@ FaceLayer::Extent ViewFaces::row_of_parallel_rays(double y, std::int32_t width, 
     map.along(here[map.axis_b()], here[map.axis_c()], step(map.axis_b()), step(map.axis_c()), end - begin,
               [&](std::int64_t n, const FaceSample& sample) {
                 const double along = here[axis_] + static_cast<double>(n) * step(axis_);
-                out[n] = faces_.face(sample, mode_, static_cast<float>(sign_ * along));
+                faces_.set(sample, mode_, static_cast<float>(sign_ * along), out[n]);
                 const auto column = static_cast<std::int32_t>(begin + n);
                 shown = {std::min(shown.first, column), std::max(shown.last, column + 1)};
               });

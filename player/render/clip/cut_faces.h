@@ -24,8 +24,8 @@ class CutFaces {
 
   [[nodiscard]] const CutPlanes& planes() const { return planes_; }
   [[nodiscard]] const FaceMap& map(int plane) const { return *maps_[static_cast<std::size_t>(plane)]; }
-  /// The face of a sample of a map.
-  [[nodiscard]] Face face(const FaceSample& sample, CapMode mode, float depth) const;
+  /// The face of a sample of a map. `out` is none before.
+  void set(const FaceSample& sample, CapMode mode, float depth, Face& out) const;
 
  private:
   CutPlanes planes_;

@@ -51,7 +51,7 @@ bool DecodedSelection::waits_for_values(const DrawPlan& plan, double voxel_pixel
                                         const RenderOptions& options, const ThreadPool& pool) const {
   constexpr double kMsPerVoxel = 100e-6;  // to decode values and normals, on one thread
   constexpr double kMaxWaitMs = 500, kMaxPixels = 32;
-  if (!may_be_rough(options) || options.classification == Classification::kAfter ||
+  if (!may_be_rough(options) || !options.cuts.empty() || options.classification == Classification::kAfter ||
       std::ldexp(voxel_pixels, kMeanLevel) > kMaxPixels)
     return false;
   double missing = 0;

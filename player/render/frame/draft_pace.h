@@ -11,8 +11,8 @@ namespace splatlas {
 
 /// True for drafts with a budget that need no exact depths.
 [[nodiscard]] inline bool may_be_rough(const RenderOptions& options) {
-  return options.quality == Quality::kDraft && options.draft_budget_ms > 0 && options.cuts.empty() &&
-         !options.ids && !options.depths && options.depth_cue == DepthCue::kNone;
+  return options.quality == Quality::kDraft && options.draft_budget_ms > 0 && !options.ids &&
+         !options.depths && options.depth_cue == DepthCue::kNone;
 }
 
 /// Detail of the volume of a picture by sheets.

@@ -131,10 +131,10 @@ Result<void> check_ids(const RenderOptions& options, const Atlas& atlas) {
                           atlas.name(), atlas.graph().size(), kMaxNumberedStructures));
 }
 
-FrameRenderer::FrameRenderer(const FrameScene& scene, FrameBuffers& buffers, RenderStats& stats,
-                             ThreadPool& pool)
+FrameRenderer::FrameRenderer(const FrameScene& scene, const Grid& of_volume, FrameBuffers& buffers,
+                             RenderStats& stats, ThreadPool& pool)
     : scene_(scene), buffers_(buffers), stats_(stats), pool_(pool) {
-  if (!scene.options.cuts.empty()) cuts_.emplace(scene.options.cuts, scene.view, scene.grid);
+  if (!scene.options.cuts.empty()) cuts_.emplace(scene.options.cuts, scene.view, of_volume);
 }
 
 Result<void> FrameRenderer::run(std::size_t volume_loops, TaskControl& task, Picture& picture) {
@@ -186,7 +186,7 @@ Result<void> FrameRenderer::begin_surfaces(Picture& picture) {
         stats_.triangles,
         buffers_.rasterizer.paint(*raster_, shown().raster, picture,
                                   ends_at_surfaces() ? &buffers_.surface_depths : nullptr, pool_));
-    if (ends_at_surfaces()) {
+    if (ends_at_surfaces() && level() > 0) {
       for (float& depth : buffers_.surface_depths) depth = in_volume(depth);
     }
   }
@@ -229,7 +229,8 @@ bool FrameRenderer::paints_surfaces() const {
 }
 
 bool FrameRenderer::ends_at_surfaces() const {
-  return may_be_rough(scene_.options) && voxels() > 0 && !scene_.surfaces.empty() && all_opaque();
+  return may_be_rough(scene_.options) && voxels() > 0 &&
+         (!scene_.surfaces.empty() || scene_.faces != nullptr) && all_opaque();
 }
 
 bool FrameRenderer::all_opaque() const {

@@ -124,7 +124,9 @@ class FrameRenderer {
   [[nodiscard]] ShownFrame shown() const;
 
  protected:
-  FrameRenderer(const FrameScene& scene, FrameBuffers& buffers, RenderStats& stats, ThreadPool& pool);
+  /// `of_volume`: the grid of the volume's level.
+  FrameRenderer(const FrameScene& scene, const Grid& of_volume, FrameBuffers& buffers, RenderStats& stats,
+                ThreadPool& pool);
 
   /// Clips volumes; null without a cut.
   [[nodiscard]] const CutRays* cuts() const { return cuts_ ? &*cuts_ : nullptr; }

@@ -48,7 +48,7 @@ CastOptions cast_options(const FrameScene& scene, const Grid& grid) {
 
 RayFrame::RayFrame(const FrameScene& scene, const RayScene& of_volume, FrameBuffers& buffers,
                    RenderStats& stats, ThreadPool& pool)
-    : FrameRenderer(scene, buffers, stats, pool),
+    : FrameRenderer(scene, of_volume.grid, buffers, stats, pool),
       of_volume_(of_volume),
       options_(cast_options(scene, of_volume.grid)) {}
 

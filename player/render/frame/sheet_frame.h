@@ -19,7 +19,7 @@ class SheetFrame : public FrameRenderer {
  public:
   SheetFrame(const FrameScene& scene, const SheetVolume& volume, FrameBuffers& buffers, RenderStats& stats,
              ThreadPool& pool)
-      : FrameRenderer(scene, buffers, stats, pool), volume_(volume) {}
+      : FrameRenderer(scene, volume.grid, buffers, stats, pool), volume_(volume) {}
 
  private:
   [[nodiscard]] Result<RasterScene> raster_scene_of_view() const override;

@@ -87,7 +87,8 @@ Result<void> Rasterizer::draw_tiles(const RasterScene& scene, const RasterOption
     centers_[n].fragments.clear();
     if (has_faces_alone(n)) return see_faces(scene, bins_.box(n), options.termination_threshold);
     TileRasterizer& worker = worker_of_thread();
-    worker.begin(scene, bins_.box(n), {options.termination_threshold, paint == nullptr, seen_});
+    worker.begin(scene, bins_.box(n),
+                 {options.termination_threshold, paint == nullptr, bins_.of_tile(n).empty(), seen_});
     draw_and_finish(n, worker, paint, centers_[n], count);
   });
 
@@ -102,7 +103,7 @@ Result<void> Rasterizer::draw_tiles(const RasterScene& scene, const RasterOption
       if (has_faces_alone(n)) return count.add(pattern_.size() * edge_pixels(scene.region, bins_.box(n)));
       TileRasterizer& worker = worker_of_thread();
       worker.begin_edges(scene, bins_.box(n), is_edge_, pattern_,
-                         {options.termination_threshold, paint == nullptr, {}});
+                         {options.termination_threshold, paint == nullptr});
       count.add(paint != nullptr ? 0 : worker.slots());
       draw_and_finish(n, worker, paint, edges_[n], count);
     });

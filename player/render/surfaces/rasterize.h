@@ -43,8 +43,9 @@ class Rasterizer {
                                            FragmentList& out, ThreadPool& pool);
   /// Draws surfaces in the whole picture, without a volume between them: composites the fragments and faces
   /// of each sample, and replaces the picture by the means of the samples. `depths`:
-  /// also makes the depth of each pixel, infinite without surfaces, if all surfaces are opaque; null: not
-  /// asked for. The same errors, but the limit is that of what a tile holds at once.
+  /// for a volume in front of opaque surfaces, with faces around both: faces are not painted, and it receives
+  /// the depth of each pixel's surface or opaque front face, or infinity; null: no volume. The same errors,
+  /// but the limit is that of what a tile holds at once.
   [[nodiscard]] Result<std::uint64_t> paint(const RasterScene& scene, const RasterOptions& options,
                                             Picture& picture, std::vector<float>* depths, ThreadPool& pool);
 

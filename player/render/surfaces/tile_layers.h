@@ -121,6 +121,7 @@ struct TileOptions {
   /// A slot ends once its transmittance is at most this, such as behind an opaque fragment.
   float termination_threshold = 0;
   bool keeps_fragments = false;  ///< and does not only composite them
+  bool is_empty = false;         ///< no surface meets the tile
   /// Receives a summary of every pixel of the scene's region; empty: not asked for.
   std::span<SurfacesSeen> seen{};
 };

@@ -35,7 +35,7 @@ void TileRasterizer::paint(std::vector<float>& rgba, std::vector<float>* depths)
   } else {
     paint_layers(rgba);
   }
-  if (!is_centers || scene_->faces == nullptr || layers_.has_faces()) return;
+  if (depths != nullptr || !is_centers || scene_->faces == nullptr || layers_.has_faces()) return;
   for (std::int32_t y = tile_.y_first; y <= tile_.y_last; ++y)
     scene_->faces->add_to_row(
         static_cast<std::size_t>(y), tile_.x_first, tile_.x_last + 1,
@@ -62,6 +62,9 @@ void TileRasterizer::paint_opaque_row(std::int32_t y, std::vector<float>& pictur
   float* const rgba = &picture[4 * pixel];
   std::fill_n(rgba, 4 * columns, 0.0f);
   if (depths != nullptr) std::fill_n(&(*depths)[pixel], columns, kNothingHidden);
+  for (std::size_t x = 0; depths != nullptr && scene_->faces != nullptr && x < columns; ++x) {
+    if (scene_->faces->hides(pixel + x)) (*depths)[pixel + x] = scene_->faces->front[pixel + x].depth;
+  }
 
   // Interpolate the normals of covered pixels, and light them all together
   std::array<std::uint32_t, kStride> covered;

@@ -66,7 +66,7 @@ void TileRasterizer::begin(const RasterScene& scene, const PixelBox& tile, const
     std::fill_n(&seen_[scene.region.place(tile.x_first, tile.y_first + static_cast<std::int32_t>(y))],
                 columns, SurfacesSeen{});
   }
-  if (scene.faces == nullptr) return;
+  if (scene.faces == nullptr || (options.is_empty && !layers_.has_faces())) return;
   // Nothing is seen behind opaque faces
   for_each_pixel([&](std::size_t pixel, std::uint32_t slot) {
     if (scene.faces->hides(pixel)) hiding_[slot] = -kNothingHidden;

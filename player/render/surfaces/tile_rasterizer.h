@@ -75,8 +75,8 @@ class TileRasterizer {
   void draw(const TileCluster& of);
   /// Ends the tile: sorts its fragments by slot and depth.
   void finish(TileFragments& out);
-  /// Ends the tile: writes the mean of the slots of each pixel into the picture. `depths`: receives those of
-  /// its pixels, of opaque surfaces; null: not asked for.
+  /// Ends the tile: writes the mean of the slots of each pixel into the picture. `depths`: as of
+  /// Rasterizer::paint().
   void paint(std::vector<float>& rgba, std::vector<float>* depths);
 
   /// Number of crossings and fragments that it holds.

@@ -30,19 +30,6 @@ TEST(SparseBytes, IsZeroUntilWritten) {
   }
 }
 
-TEST(SparseBytes, MovesWithWhatItHolds) {
-  auto sparse = value_or_throw(SparseBytes::reserve(3 * kMiB));
-  sparse.data()[2 * kMiB] = std::byte{7};
-  SparseBytes moved = std::move(sparse);
-  EXPECT_EQ(moved.data()[2 * kMiB], std::byte{7});
-  auto other = value_or_throw(SparseBytes::reserve(kMiB));
-  other.data()[5] = std::byte{9};
-  std::swap(moved, other);
-  EXPECT_EQ(moved.size(), kMiB);
-  EXPECT_EQ(moved.data()[5], std::byte{9});
-  EXPECT_EQ(other.data()[2 * kMiB], std::byte{7});
-}
-
 /// A quarter of a terabyte, as for a grid of which a selection uses little.
 TEST(SparseBytes, TakesAddressSpaceOnly) {
   auto sparse = value_or_throw(SparseBytes::reserve(std::size_t{1} << 38));
