@@ -1,5 +1,4 @@
 // Bench `limit`: distance of the renderer from the limit of the machine.
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>

@@ -1,5 +1,4 @@
 // Benches `phantom` and `head`: tables 1 to 4 of the paper, on its phantom and on the Colin 27 head.
-#include <algorithm>
 #include <array>
 #include <fstream>
 #include <sstream>
