@@ -15,7 +15,7 @@ namespace splatlas {
 enum class SurfaceRule : std::uint32_t {
   kVoxels = 4,    ///< vertices midway between voxels, triangles of vtkMarchingCubes
   kSmooth = 256,  ///< smoothing 1: vertices moved along their voxel edges, triangles of vtkMarchingCubes
-  kUneven = 128   ///< smoothing 2: vertices of smoothing 1 moved on, across slices; the same triangles
+  kUneven = 128   ///< smoothing 2: vertices moved off their edges, across slices; the same triangles
 };
 
 /// Maximum size of a grid along each axis for rules that smooth: positions are exact in single precision.

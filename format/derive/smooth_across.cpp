@@ -22,9 +22,10 @@ Vec3f operator*(float s, const Vec3f& a) {
 
 /// Planes between a vertex and its neighbours.
 struct Planes {
-  std::array<Vec3f, 4> normals{};
-  std::array<float, 4> heights{};  // of the neighbours, before both move
-  std::array<float, 4> shares{};   // of the way to the planes
+  std::array<Vec3f, 4> normals{}, ways{};  // ways: to the neighbours, before both move
+  std::array<float, 4> shares{};           // of the way to each plane
+  std::array<float, 2> slides{};           // of the way along it to two opposite neighbours
+  Vec3f normal{};                          // of the vertex
   float reach = 0;
 };
 
@@ -32,13 +33,13 @@ struct Planes {
 class AcrossSlices {
  public:
   AcrossSlices(const SurfaceNet& net, const SmoothedNet& smoothed, const Grid& grid)
-      : net_(net), smoothed_(smoothed), size_(grid.size) {
+      : net_(net), size_(grid.size) {
     const double thick = std::ranges::max(grid.spacing_mm);
     for (std::size_t a = 0; a < 3; ++a) sides_[a] = static_cast<float>(grid.spacing_mm[a] / thick);
     now_.resize(net.vertices.size());
     next_.resize(net.vertices.size());
     planes_.resize(net.vertices.size());
-    find_planes(std::min(0.5f, 1 - *std::ranges::min_element(sides_)));
+    find_planes(smoothed);
   }
 
   std::vector<Vec3f> move(int steps) {
@@ -52,17 +53,18 @@ class AcrossSlices {
   }
 
  private:
-  void find_planes(float most) {
+  void find_planes(const SmoothedNet& smoothed) {
     std::vector<Vec3f>& normals = next_;
     for (std::size_t v = 0; v < normals.size(); ++v) {
       for (std::size_t a = 0; a < 3; ++a)
-        normals[v][a] = static_cast<float>(smoothed_.directions[v][a]) / sides_[a];
+        normals[v][a] = static_cast<float>(smoothed.directions[v][a]) / sides_[a];
       const float length = std::sqrt(dot(normals[v], normals[v]));
       for (float& n : normals[v]) n /= length;
     }
     for (std::size_t v = 0; v < normals.size(); ++v) {
       Planes& planes = planes_[v];
-      const Vec3f here = smoothed_position(v);
+      planes.normal = normals[v];
+      const Vec3f here = middle(v);
       std::array<float, 4>& trust = planes.shares;
       for (std::size_t slot = 0; slot < 4; ++slot) {
         const std::uint32_t other = net_.neighbours[v][slot];
@@ -70,38 +72,41 @@ class AcrossSlices {
         const float length = std::sqrt(dot(sum, sum));
         trust[slot] = other == v ? 0 : std::clamp(5 * length - 8, 0.0f, 1.0f);
         if (!(trust[slot] > 0)) continue;
-        const Vec3f there = smoothed_position(other);
-        Vec3f way;
+        const Vec3f there = middle(other);
         for (std::size_t a = 0; a < 3; ++a) {
           planes.normals[slot][a] = sum[a] / length;
-          way[a] = sides_[a] * (there[a] - here[a]);
+          planes.ways[slot][a] = sides_[a] * (there[a] - here[a]);
         }
-        planes.heights[slot] = dot(planes.normals[slot], way);
       }
       const float total = (trust[0] + trust[1]) + (trust[2] + trust[3]);
-      planes.reach = most * total / 4;
+      planes.reach = total / 8;
       if (!(total > 0)) continue;
-      for (float& share : planes.shares) share = 0.75f * share / total;
+      for (std::size_t n = 0; n < 2; ++n)
+        planes.slides[n] = 0.1875f * std::min(trust[2 * n], trust[2 * n + 1]) / total;
+      for (float& share : planes.shares) share = 0.875f * share / total;
     }
   }
 
-  [[nodiscard]] Vec3f smoothed_position(std::size_t v) const {
+  /// The middle of a vertex's edge.
+  [[nodiscard]] Vec3f middle(std::size_t v) const {
     const NetVertex& vertex = net_.vertices[v];
     Vec3f position;
     for (std::size_t a = 0; a < 3; ++a) position[a] = static_cast<float>(vertex.voxel[a]);
-    position[vertex.axis()] += static_cast<float>(smoothed_.offsets[v]) / SmoothedNet::kScale;
+    position[vertex.axis()] += 0.5f;
     return position;
   }
 
   [[nodiscard]] Vec3f moved(std::size_t v) const {
     const Planes& planes = planes_[v];
-    std::array<Vec3f, 4> ways;
+    std::array<Vec3f, 4> ways, up;
     for (std::size_t slot = 0; slot < 4; ++slot) {
       const Vec3f& normal = planes.normals[slot];
-      const Vec3f apart = now_[net_.neighbours[v][slot]] - now_[v];
-      ways[slot] = (planes.shares[slot] * (dot(normal, apart) + planes.heights[slot])) * normal;
+      ways[slot] = planes.ways[slot] + (now_[net_.neighbours[v][slot]] - now_[v]);
+      up[slot] = (planes.shares[slot] * dot(normal, ways[slot])) * normal;
     }
-    const Vec3f way = now_[v] + ((ways[0] + ways[1]) + (ways[2] + ways[3]));
+    const Vec3f slide = planes.slides[0] * (ways[0] + ways[1]) + planes.slides[1] * (ways[2] + ways[3]);
+    const Vec3f along = slide - dot(planes.normal, slide) * planes.normal;
+    const Vec3f way = now_[v] + (((up[0] + up[1]) + (up[2] + up[3])) + along);
     const float squared = dot(way, way);
     return squared > planes.reach * planes.reach ? (planes.reach / std::sqrt(squared)) * way : way;
   }
@@ -109,25 +114,18 @@ class AcrossSlices {
   /// Rounded about the middle of the edge: mirrored masks have mirrored surfaces.
   [[nodiscard]] Vec3f position(std::size_t v) const {
     constexpr auto kScale = static_cast<float>(SurfaceRule::kUneven);
-    const NetVertex& vertex = net_.vertices[v];
-    constexpr auto kMiddle = SmoothedNet::kScale / 2;
-    const auto offset = static_cast<float>(smoothed_.offsets[v] - kMiddle);
-    Vec3f position;
+    Vec3f position = middle(v);
     for (std::size_t a = 0; a < 3; ++a) {
-      const bool is_along = a == vertex.axis();
-      const float way = (is_along ? offset / SmoothedNet::kScale : 0) + now_[v][a] / sides_[a];
-      const float middle = static_cast<float>(vertex.voxel[a]) + (is_along ? 0.5f : 0);
-      position[a] =
-          std::clamp(middle + std::round(kScale * way) / kScale, -1.0f, static_cast<float>(size_[a]));
+      const float way = std::round(kScale * (now_[v][a] / sides_[a])) / kScale;
+      position[a] = std::clamp(position[a] + way, -1.0f, static_cast<float>(size_[a]));
     }
     return position;
   }
 
   const SurfaceNet& net_;
-  const SmoothedNet& smoothed_;
   Index3 size_;
   Vec3f sides_{};
-  std::vector<Vec3f> now_, next_;  // ways from the positions of smoothing 1
+  std::vector<Vec3f> now_, next_;  // ways from the middles of the edges
   std::vector<Planes> planes_;
 };
 
@@ -135,7 +133,7 @@ class AcrossSlices {
 
 std::vector<std::array<float, 3>> smooth_across(const SurfaceNet& net, const SmoothedNet& smoothed,
                                                 const Grid& grid) {
-  constexpr int kSteps = 20;
+  constexpr int kSteps = 14;
   return AcrossSlices(net, smoothed, grid).move(kSteps);
 }
 

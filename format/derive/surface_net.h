@@ -234,12 +234,12 @@ struct SmoothedNet {
 /// about 60 ns and 80 bytes per vertex.
 [[nodiscard]] SmoothedNet smooth(const SurfaceNet& net, SmoothedNet reused = {});
 
-/// Positions of SurfaceRule::kUneven, docs/atlas_surfaces.md: vertices of smooth() moved onto the planes
-/// between them and their neighbours, across the normals (Sun et al. 2007, "Fast and effective
-/// feature-preserving mesh denoising", vertex updating). So labels that jump from slice to slice are joined,
-/// and planes and tubes keep their thickness. A vertex moves at most half the longest side of a voxel. Thin
-/// parts may fold or cross within that distance. The same bits on every machine. Complementary masks
-/// have equal results. Cost: about 0.2 us and 120 bytes per vertex.
+/// Positions of SurfaceRule::kUneven, docs/atlas_surfaces.md: middles of edges moved onto the planes between
+/// them and their neighbours, by the directions of smooth() (Sun et al. 2007, "Fast and effective
+/// feature-preserving mesh denoising", vertex updating), and along the surface, so that overhanging steps
+/// unfold. So labels that jump from slice to slice are joined, and planes and tubes keep their thickness. A
+/// vertex moves at most half the longest side of a voxel. Thin parts may cross within that distance. The same
+/// bits on every machine. Complementary masks have equal results. Cost: about 0.2 us, 170 bytes per vertex.
 [[nodiscard]] std::vector<std::array<float, 3>> smooth_across(const SurfaceNet& net,
                                                               const SmoothedNet& smoothed, const Grid& grid);
 

@@ -176,21 +176,19 @@ using Position = std::array<float, 3>;
 /// Positions of smoothing 2.
 inline std::map<Edge, Position> across_vertices(const Mask& mask, const Vec3& spacing) {
   struct Moving {
-    SmoothVertex smooth;
     Position n{}, x{}, d{};
-    std::array<float, 4> f{}, g{}, h{};
-    std::array<Position, 4> u{};
+    std::array<float, 4> f{}, g{}, e{};
+    std::array<Position, 4> u{}, y{};
     float reach = 0;
   };
   Position r{};
   for (std::size_t a = 0; a < 3; ++a) r[a] = static_cast<float>(spacing[a] / std::ranges::max(spacing));
-  const auto along = [](const Edge& at, std::size_t a) { return at[3] == static_cast<std::int64_t>(a); };
   std::map<Edge, Moving> all;
   for (const auto& [at, smooth] : smooth_vertices(mask)) {
-    Moving& of = all[at] = {smooth};
+    Moving& of = all[at];
     for (std::size_t a = 0; a < 3; ++a) {
       of.n[a] = static_cast<float>(smooth.direction[a]) / r[a];
-      of.x[a] = static_cast<float>(at[a]) + (along(at, a) ? static_cast<float>(smooth.offset) / 256 : 0);
+      of.x[a] = static_cast<float>(at[a]) + (at[3] == static_cast<std::int64_t>(a) ? 0.5f : 0);
     }
     const float length = std::sqrt(dot(of.n, of.n));
     for (float& n : of.n) n /= length;
@@ -205,34 +203,36 @@ inline std::map<Edge, Position> across_vertices(const Mask& mask, const Vec3& sp
       of.f[q] = neighbour == at ? 0 : std::min(std::max(5 * l - 8, 0.0f), 1.0f);
       if (of.f[q] <= 0) continue;
       of.u[q] = {m[0] / l, m[1] / l, m[2] / l};
-      of.h[q] = dot(of.u[q], {r[0] * (other.x[0] - of.x[0]), r[1] * (other.x[1] - of.x[1]),
-                              r[2] * (other.x[2] - of.x[2])});
+      for (std::size_t a = 0; a < 3; ++a) of.y[q][a] = r[a] * (other.x[a] - of.x[a]);
     }
     const float sum = (of.f[0] + of.f[1]) + (of.f[2] + of.f[3]);
-    of.reach = std::min(0.5f, 1 - std::ranges::min(r)) * sum / 4;
-    for (std::size_t q = 0; q < 4; ++q) of.g[q] = sum > 0 ? 0.75f * of.f[q] / sum : 0;
+    of.reach = sum / 8;
+    for (std::size_t q = 0; q < 4 && sum > 0; ++q) of.g[q] = 0.875f * of.f[q] / sum;
+    for (std::size_t q = 0; q < 4 && sum > 0; ++q) of.e[q] = 0.1875f * std::min(of.f[q], of.f[q ^ 1]) / sum;
   }
-  for (int step = 0; step < 20; ++step) {
+  for (int step = 0; step < 14; ++step) {
     const std::map<Edge, Moving> old = all;
     for (auto& [at, of] : all) {
-      std::array<Position, 4> z{};
+      std::array<Position, 4> y{}, z{};
+      Position b{};
       for (std::size_t q = 0; q < 4; ++q) {
         const Position& d = old.at(net.at(at).links[q].neighbour).d;
-        const float apart = dot(of.u[q], {d[0] - of.d[0], d[1] - of.d[1], d[2] - of.d[2]});
-        for (std::size_t a = 0; a < 3; ++a) z[q][a] = (of.g[q] * (apart + of.h[q])) * of.u[q][a];
+        for (std::size_t a = 0; a < 3; ++a) y[q][a] = of.y[q][a] + (d[a] - of.d[a]);
+        for (std::size_t a = 0; a < 3; ++a) z[q][a] = (of.g[q] * dot(of.u[q], y[q])) * of.u[q][a];
       }
-      for (std::size_t a = 0; a < 3; ++a) of.d[a] += (z[0][a] + z[1][a]) + (z[2][a] + z[3][a]);
-      const float squared = dot(of.d, of.d);
-      if (squared <= of.reach * of.reach) continue;
-      for (float& d : of.d) d *= of.reach / std::sqrt(squared);
+      for (std::size_t a = 0; a < 3; ++a)
+        b[a] = of.e[0] * (y[0][a] + y[1][a]) + of.e[2] * (y[2][a] + y[3][a]);
+      const float up = dot(of.n, b);
+      for (std::size_t a = 0; a < 3; ++a)
+        of.d[a] += ((z[0][a] + z[1][a]) + (z[2][a] + z[3][a])) + (b[a] - up * of.n[a]);
+      const float squared = dot(of.d, of.d), limit = of.reach * of.reach;
+      for (float& d : of.d) d *= squared <= limit ? 1 : of.reach / std::sqrt(squared);
     }
   }
   std::map<Edge, Position> positions;
   for (const auto& [at, of] : all) {
     for (std::size_t a = 0; a < 3; ++a) {
-      const float offset = along(at, a) ? static_cast<float>(of.smooth.offset - 128) / 256 : 0;
-      const float middle = static_cast<float>(at[a]) + (along(at, a) ? 0.5f : 0);
-      positions[at][a] = std::clamp(middle + std::round((offset + of.d[a] / r[a]) * 128) / 128, -1.0f,
+      positions[at][a] = std::clamp(of.x[a] + std::round(128 * (of.d[a] / r[a])) / 128, -1.0f,
                                     static_cast<float>(mask.size[a]));
     }
   }
