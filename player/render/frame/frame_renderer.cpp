@@ -17,8 +17,8 @@ constexpr double kBegun = 0.3, kResolved = 0.95;
 /// Number of loops that report progress.
 constexpr std::size_t kRasterLoops = 8, kResolveLoops = 2, kCueLoops = 4;
 /// Pixels of a region with fragments, in whole tiles of the warp. Larger ones take more memory; smaller ones
-/// draw more of the volume twice, at their borders.
-constexpr std::int32_t kRegionWidth = 512, kRegionHeight = 256;
+/// draw more of the volume twice, at their borders. Opaque surfaces leave few fragments.
+constexpr std::int32_t kRegionWidth = 512, kRegionHeight = 256, kOpaqueRegion = 1024;
 
 /// Bytes of the rasteriser and the volume pass per fragment, for samples with a single fragment.
 constexpr std::size_t kBytesPerFragment = 200;
@@ -151,11 +151,11 @@ Result<void> FrameRenderer::run(std::size_t volume_loops, TaskControl& task, Pic
   if (voxels() == 0 && paints_surfaces()) return {};
   SPLATLAS_RETURN_IF_ERROR(begin_volume(picture));
 
-  // Draw all regions; one without fragments
+  // Draw all regions; one without fragments but of faces, which are few
   const PixelBox whole = PixelBox::of(size);
-  const bool has_fragments = !paints_surfaces() && (!scene_.surfaces.empty() || scene_.faces != nullptr);
-  const std::int32_t width = has_fragments ? kRegionWidth : size.width;
-  const std::int32_t height = has_fragments ? kRegionHeight : size.height;
+  const bool has_fragments = !paints_surfaces() && !scene_.surfaces.empty();
+  const std::int32_t width = !has_fragments ? size.width : all_opaque() ? kOpaqueRegion : kRegionWidth;
+  const std::int32_t height = !has_fragments ? size.height : all_opaque() ? kOpaqueRegion : kRegionHeight;
   const std::int32_t columns = (size.width + width - 1) / width, rows = (size.height + height - 1) / height;
   for (std::int32_t n = 0; n < columns * rows; ++n) {
     task.begin_stage(kBegun + (kResolved - kBegun) * (n + 1) / (columns * rows),
