@@ -47,7 +47,7 @@ struct Renderer::Impl {
     SPLATLAS_RETURN_IF_ERROR(check_selection(selection, atlas->graph()));
     DrawPlan plan = atlas->tree().plan(selection);
     drawn.select(selection);
-    if (decoded.begin(max_memory_bytes / 2)) spans.clear();
+    if (decoded.begin(plan, max_memory_bytes / 2) || volume_classes(plan).empty()) spans.clear();
     stats = {};
     fit_decode_ms = 0;
     draw(std::move(plan));

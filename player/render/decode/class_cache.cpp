@@ -93,7 +93,6 @@ double ClassCache::memory_of(std::span<const Missing> missing, Axis axis, VoxelP
 }
 
 std::uint64_t ClassCache::bytes() const {
-  constexpr std::uint64_t kBytesPerTriangle = 76;  // of mesh and clusters, with half a vertex
   std::uint64_t bytes = 0;
   for (const auto& [id, decoded] : classes_) {
     const std::uint64_t of_voxel =
@@ -101,10 +100,22 @@ std::uint64_t ClassCache::bytes() const {
     bytes += of_voxel * atlas_->classes().voxels(id);
     for (const auto& runs : decoded.run_count) bytes += runs.value_or(0) * sizeof(ClassRun);
   }
-  for (const auto& level : surfaces_) {
-    for (const auto& [s, surface] : level) bytes += surface->mesh.triangles.size() * kBytesPerTriangle;
-  }
+  for (const auto& [key, surface] : surfaces_) bytes += surface.bytes();
   return bytes;
+}
+
+void ClassCache::begin(std::span<const StructureIndex> drawn, std::uint64_t bytes) {
+  ++selection_;
+  std::vector<std::pair<std::uint64_t, SurfaceKey>> spare;  // by the latest use
+  for (auto& [key, surface] : surfaces_) {
+    if (std::binary_search(drawn.begin(), drawn.end(), key.second)) surface.used = selection_;
+    if (surface.used < selection_) spare.emplace_back(surface.used, key);
+  }
+  std::ranges::sort(spare, std::greater{});
+  for (std::uint64_t sum = 0; const auto& [used, key] : spare) {
+    sum += surfaces_.at(key).bytes();
+    if (sum > bytes) surfaces_.erase(key);
+  }
 }
 
 Result<void> ClassCache::reserve(std::span<const Missing> missing) {
@@ -264,7 +275,7 @@ Result<void> ClassCache::require_surfaces(std::span<const StructureIndex> struct
   failed_surfaces_.clear();
   std::vector<StructureIndex> missing;
   for (const StructureIndex s : structures) {
-    if (!surfaces_[kept_level(s, level)].contains(s)) missing.push_back(s);
+    if (!has_surface(s, level)) missing.push_back(s);
   }
   // Large ones first, for load balance
   std::ranges::stable_sort(missing, std::greater{}, [&](StructureIndex s) { return atlas_->triangles(s); });
@@ -272,7 +283,7 @@ Result<void> ClassCache::require_surfaces(std::span<const StructureIndex> struct
   pool.for_each(missing.size(), [&](std::size_t n) { surfaces[n] = decode_surface(missing[n], level); });
   for (std::size_t n = 0; n < missing.size(); ++n) {
     if (surfaces[n]) {
-      surfaces_[kept_level(missing[n], level)].emplace(missing[n], std::move(*surfaces[n]));
+      surfaces_[{kept_level(missing[n], level), missing[n]}] = {std::move(*surfaces[n]), selection_};
     } else {
       failed_surfaces_.push_back({missing[n], std::move(surfaces[n]).error()});
     }

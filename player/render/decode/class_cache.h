@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -122,7 +123,7 @@ class ClassCache {
   [[nodiscard]] Result<void> require_surfaces(std::span<const StructureIndex> structures, ThreadPool& pool,
                                               int level = 0);
   [[nodiscard]] bool has_surface(StructureIndex s, int level) const {
-    return surfaces_[kept_level(s, level)].contains(s);
+    return surfaces_.contains({kept_level(s, level), s});
   }
   /// Failures of the latest require() and require_surfaces().
   [[nodiscard]] std::span<const FailedClass> failed_classes() const { return failed_classes_; }
@@ -130,6 +131,8 @@ class ClassCache {
 
   /// Approximate bytes of everything decoded.
   [[nodiscard]] std::uint64_t bytes() const;
+  /// Begins a selection. Of surfaces other than `drawn` (ascending), keeps the latest used `bytes` at most.
+  void begin(std::span<const StructureIndex> drawn, std::uint64_t bytes);
 
   /// The runs of all classes that have been required for an axis.
   [[nodiscard]] const ScanlineRuns& runs(Axis axis) const { return runs_[static_cast<std::size_t>(axis)]; }
@@ -138,13 +141,12 @@ class ClassCache {
     return *classes_.at(c).run_count[static_cast<std::size_t>(axis)];
   }
   [[nodiscard]] const DecodedSurface& surface(StructureIndex s, int level = 0) const {
-    return *surfaces_[kept_level(s, level)].at(s);
+    return *surfaces_.at({kept_level(s, level), s}).decoded;
   }
   /// Values in memory order of the grid, defined at voxels of required classes; null for an atlas without.
   [[nodiscard]] const std::byte* values() const { return values_.data(); }
   [[nodiscard]] VoxelType value_type() const { return atlas_->value_type(); }
   [[nodiscard]] std::size_t value_bytes() const { return bytes_of(atlas_->value_type()); }
-  /// Size of values() in bytes.
   [[nodiscard]] std::size_t bytes_of_values() const { return values_.size(); }
   /// Light in memory order of the grid; null before any normals have been required. First that of the normals
   /// of boundary voxels; see light_voxels().
@@ -158,7 +160,6 @@ class ClassCache {
   }
   [[nodiscard]] std::size_t bytes_of_lights() const { return lights_.size(); }
   [[nodiscard]] VoxelLight* lights() { return reinterpret_cast<VoxelLight*>(lights_.data()); }
-  /// State of the light of a required class.
   [[nodiscard]] LightState& light_state(ClassId c) { return classes_.at(c).light; }
   /// Before a class is drawn as border of a structure: its normals are missing if other light has taken their
   /// place.
@@ -172,6 +173,14 @@ class ClassCache {
     LightState light;
   };
   using SharedSurface = std::shared_ptr<const DecodedSurface>;
+  using SurfaceKey = std::pair<std::size_t, StructureIndex>;  // level as kept, structure
+  struct KeptSurface {
+    SharedSurface decoded;
+    std::uint64_t used = 0;  // number of the latest selection that draws it
+    [[nodiscard]] std::uint64_t bytes() const {
+      return 76 * decoded->mesh.triangles.size();
+    }  // with clusters
+  };
   /// Decodes a surface, unless another cache of this atlas has it: both then share it.
   [[nodiscard]] Result<SharedSurface> decode_surface(StructureIndex s, int level) const;
   /// The level as which a surface is kept.
@@ -188,8 +197,8 @@ class ClassCache {
   std::shared_ptr<const Atlas> atlas_;
   std::unordered_map<ClassId, DecodedClass> classes_;
   std::array<ScanlineRuns, 3> runs_;
-  std::array<std::unordered_map<StructureIndex, SharedSurface>, Coverage::kMaxLevel + 1>
-      surfaces_;  // by level
+  std::map<SurfaceKey, KeptSurface> surfaces_;
+  std::uint64_t selection_ = 0;  // number of the current one
   std::vector<FailedClass> failed_classes_;
   std::vector<FailedSurface> failed_surfaces_;
   SparseBytes values_;

@@ -10,8 +10,9 @@
 
 namespace splatlas {
 
-bool DecodedSelection::begin(std::uint64_t bytes) {
+bool DecodedSelection::begin(const DrawPlan& plan, std::uint64_t bytes) {
   missing_.clear();
+  cache_.begin(plan.surfaces, std::uint64_t{64} << 20);
   if (cache_.bytes() <= bytes) return false;
   cache_ = ClassCache(atlas_);
   return true;

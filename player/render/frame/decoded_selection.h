@@ -42,9 +42,9 @@ class DecodedSelection {
   /// Reads and decodes uncached classes of faces of a cut, after the plan's. Lists damaged ones in missing(),
   /// with the structures of `faces` (by ClassId), and succeeds. kLimit when out of memory.
   [[nodiscard]] Result<void> require_faces(std::span<const FaceClass> faces, Axis axis, ThreadPool& pool);
-  /// Begins a new selection: clears missing(), so that require() tries these parts again. If all decoded
-  /// parts take more than `bytes`, drops them and returns true.
-  bool begin(std::uint64_t bytes);
+  /// Begins a new selection: clears missing(), so that require() tries these parts again. Keeps 64 MiB of
+  /// surfaces of earlier ones. If all decoded parts take more than `bytes`, drops them and returns true.
+  bool begin(const DrawPlan& plan, std::uint64_t bytes);
 
   [[nodiscard]] const ClassCache& cache() const { return cache_; }
   [[nodiscard]] const std::vector<MissingPart>& missing() const { return missing_; }

@@ -13,7 +13,6 @@
 namespace splatlas {
 namespace {
 
-/// Expects values, normals and runs of some classes to equal the content.
 void expect_equal(const AtlasContent& content, const ClassCache& cache, std::span<const ClassId> classes,
                   Axis axis) {
   const Grid grid = storage_grid(content);
@@ -69,10 +68,13 @@ TEST(ClassCache, HoldsWhatTheAtlasHolds) {
       ASSERT_EQ(cache.surface(s).mesh, scene.content.surfaces[s]);
       ASSERT_EQ(&other.surface(s), &cache.surface(s));
     }
+    cache.begin(std::span(structures).first(1), ~std::uint64_t{0});
+    cache.begin({}, 76 * cache.surface(0).mesh.triangles.size());  // keeps the latest one
+    for (const StructureIndex s : structures)
+      ASSERT_EQ(cache.has_surface(s, 0), s == 0 || scene.content.surfaces[s].empty());
   }
 }
 
-/// An atlas of many classes, and all of them but the empty one.
 struct EncodedScene {
   AtlasContent content = random_scene(3, 16).content;
   std::vector<std::byte> bytes = encode_atlas(content).value();
@@ -92,7 +94,6 @@ TEST(ClassCache, ReadsNothingTwiceAndNothingElse) {
   ASSERT_TRUE(cache.require(some, Axis::kZ, pool));
   const Atlas::Counters first = atlas->counters();
 
-  // An atlas that is asked for exactly these parts.
   const auto other = scene.open();
   for (const ClassId c : some) {
     (void)other->read_runs(c, Axis::kZ);
