@@ -16,6 +16,7 @@
 #include <arpa/inet.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <malloc.h>
 #include <microhttpd.h>
 #include <nettle/memops.h>
 #include <nlohmann/json.hpp>
@@ -341,6 +342,7 @@ struct PageServer::Impl {
     }
     const PageAnswer answer = session->engine.call(request, {}, {.stop = stop});
     note_missing(session->engine.frame());
+    if (answer.has_picture && !ends_others) malloc_trim(0);  // what decoding left, on all threads
     return answer_of(answer, session->engine.frame().picture);
   }
 
