@@ -46,7 +46,6 @@ TEST(Renderer, DropsEarlierSelectionsAboveTheMemoryLimit) {
   EXPECT_EQ(with_room.rgba, without.rgba);
 }
 
-/// Bytes read and decoded equal those of an atlas asked for exactly the selected parts.
 TEST(Renderer, ReadsNothingOfWhatIsNotSelected) {
   TestVolume volume;
   volume.grid.size = {40, 40, 20};
@@ -84,29 +83,30 @@ TEST(Renderer, ReadsNothingOfWhatIsNotSelected) {
   }
 }
 
-/// Spans of the previous selection are reused, shaded or not.
+/// Spans of the previous selection, and of another renderer, are reused, shaded or not.
 TEST(Renderer, GivesTheSameBitsWhateverWasSelectedBefore) {
   std::mt19937 random(1);
   for (std::uint32_t number = 0; number < repetitions(40); ++number) {
     const RandomScene scene = random_scene(number, 16);
-    const StructureGraph& graph = scene.content.graph;
-    Renderer used(open_in_memory(scene.content), {2, 0});
+    const auto atlas = open_in_memory(scene.content);
+    Renderer used(atlas, {2, 0}), other(atlas, {2, 0});
     for (int step = 0; step < 8; ++step) {
       Selection selection = scene.selection;
       for (StructureDraw& draw : selection.structures) {
         if (random() % 4 == 0) draw.mode = DrawMode::kOff;
         if (random() % 4 == 0) draw.opacity = 0.25f;
       }
-      ASSERT_EQ(selection.structures.size(), graph.size());
-      ASSERT_TRUE(used.select(selection));
+      ASSERT_TRUE(used.select(selection) && other.select(selection));
       Camera camera = scene.camera;
       RenderOptions options = scene.options;
       for (int frame = 0; frame < 2; ++frame) {
         options.hybrid_shading = random() % 2 == 0;
         if (random() % 3 == 0) camera.azimuth_deg += static_cast<double>(random() % 90);
         const Picture again = render_or_throw(used, camera, options);
+        const Picture borrowed = render_or_throw(other, camera, options);
         const Picture fresh = render_or_throw(scene.content, selection, camera, options);
         ASSERT_EQ(again.rgba, fresh.rgba) << describe(scene) << ", step " << step;
+        ASSERT_EQ(borrowed.rgba, fresh.rgba) << describe(scene) << ", step " << step;
       }
     }
   }
@@ -114,26 +114,19 @@ TEST(Renderer, GivesTheSameBitsWhateverWasSelectedBefore) {
 
 TEST(Renderer, AnEmptySelectionIsTransparentBlackEverywhere) {
   const AtlasContent content = phantom_content();
-  Renderer renderer = renderer_of(content, {}, 2);
-  for (const Selection& empty :
-       {Selection{}, selection_of("", content.graph), selection_of("Spheres - Spheres", content.graph)}) {
-    ASSERT_TRUE(renderer.select(empty));
+  Renderer renderer(open_in_memory(content), {2, 0});
+  for (const Selection& next : {Selection{}, selection_of("", content.graph),
+                                selection_of("Spheres - Spheres", content.graph), Selection{}}) {
     const Frame frame = frame_or_throw(renderer, {}, {.size = {33, 21}});
     EXPECT_EQ(frame.picture.rgba, std::vector<float>(4 * 33 * 21, 0.0f));
     EXPECT_EQ(frame.stats.voxels_visited, 0u);
     EXPECT_EQ(frame.stats.runs_visited, 0u);
     EXPECT_EQ(frame.stats.triangles, 0u);
     EXPECT_FALSE(frame.pick(16, 10));
+    ASSERT_TRUE(renderer.select(next));
   }
 }
 
-TEST(Renderer, NothingIsSelectedAtFirst) {
-  Renderer renderer(open_in_memory(phantom_content()), {1, 0});
-  const Picture picture = render_or_throw(renderer, {}, {.size = {5, 5}});
-  EXPECT_EQ(picture.rgba, std::vector<float>(100, 0.0f));
-}
-
-/// Content outside the picture, near or far, has no effect.
 TEST(Renderer, LooksPastTheAtlas) {
   const AtlasContent content = phantom_content();
   Renderer renderer = renderer_of(content, selection_of("*:both(opacity=0.5)", content.graph));
@@ -291,7 +284,6 @@ TEST(Renderer, IdImagesAreEmptyUnlessAskedFor) {
   EXPECT_EQ(frame.ids.numbers, first);
 }
 
-/// A frame is not picked with another selection, nor without its renderer.
 TEST(Renderer, FramesEndWithTheirSelection) {
   const AtlasContent content = phantom_content();
   Frame frame, other;

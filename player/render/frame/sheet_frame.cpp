@@ -288,7 +288,7 @@ Result<void> SheetFrame::resolve(const PixelBox& region, Picture& picture) {
 
 void SheetFrame::render_sheet(const SheetWindow& window) {
   const RenderOptions& options = scene_.options;
-  const auto& [spans, shear, grid, detail] = volume_;
+  const auto& [spans, shear, grid, detail, held] = volume_;
   check_memory(bytes_of_sheet(window, spans.frame()));
   const Slabs slabs(shear, grid, window.parts);
   SheetSurfaces surfaces{buffers_.fragments, cuts(), options.size, buffers_.in_sheet};

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <mutex>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -23,6 +25,29 @@ double stored_means(const SpanSource& source) {
   return voxels;
 }
 
+/// What spans depend on, without classes that could not be read.
+using SpanKey = std::tuple<const Atlas*, Axis, bool, Selection, std::vector<ClassDraw>>;
+SpanKey key_of(const SpanSource& source, Axis axis) {
+  return {source.atlas.get(), axis, source.shade, source.selection, source.plan.classes};
+}
+
+std::recursive_mutex known_mutex;  // a pointer that cannot be made is released at once
+std::vector<std::pair<SpanKey, std::weak_ptr<SpanBuilder>>> known_spans;
+
+/// Spans of another store than `own`, which does not change them as long as they are held; or null.
+std::shared_ptr<const SpanBuilder> borrow(const SpanKey& key, const std::optional<AxisSpans>& own) {
+  const std::lock_guard lock(known_mutex);
+  for (const auto& [of, spans] : known_spans) {
+    auto found = spans.lock();
+    if (found && (!own || own->spans != found) && of == key)
+      return {found.get(), [found](const SpanBuilder* /*spans*/) mutable {
+                const std::lock_guard end(known_mutex);
+                found.reset();
+              }};
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 std::uint64_t memory_left(std::uint64_t max_memory_bytes, std::uint64_t used) {
@@ -35,11 +60,18 @@ void AxisSpans::require(const SpanSource& source, SelectedRuns selected, ThreadP
   if (current(shade)) return;
   // If an allocation throws, no incomplete spans remain
   runs.reset();
-  SpanBuilder built = std::exchange(spans, {});
-  built.build({selected, plan, appearances, atlas->classes(), atlas->grid(), cache, shade}, pool);
+  std::shared_ptr<SpanBuilder> built = std::exchange(spans, nullptr);
+  {
+    const std::lock_guard lock(known_mutex);
+    std::erase_if(known_spans, [&](auto& of) { return of.second.expired() || of.second.lock() == built; });
+    if (!built || built.use_count() > 1) built = std::make_shared<SpanBuilder>();
+  }
+  built->build({selected, plan, appearances, atlas->classes(), atlas->grid(), cache, shade}, pool);
   spans = std::move(built);
   runs.emplace(std::move(selected));
   has_lights = shade;
+  const std::lock_guard lock(known_mutex);
+  known_spans.emplace_back(key_of(source, spans->model().axis), spans);
 }
 
 SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& view, const Shear& shear,
@@ -73,10 +105,11 @@ SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& vie
   }
   stats.level = detail.level;
   stats.strips = detail.level == 0 && !fits;
-  const auto volume_of = [&](SheetSpans spans, const Shear& of_spans, const Grid& grid) -> SheetVolume {
+  const auto volume_of = [&](SheetSpans spans, const Shear& of_spans, const Grid& grid,
+                             const std::shared_ptr<const SpanBuilder>& held = nullptr) -> SheetVolume {
     stats.traversal = watch.lap();
     stats.select_ms += stats.traversal.wall_ms;
-    return {std::move(spans), of_spans, grid, detail};
+    return {std::move(spans), of_spans, grid, detail, held};
   };
   std::vector<float> factors = shade ? lighting.table() : std::vector<float>();
   if (!stats.strips) blocks_.reset();
@@ -86,7 +119,7 @@ SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& vie
       if (!spans) spans.emplace();
       spans->require(source, std::move(runs), pool);
       latest_ = axis;
-      means_.emplace(spans->spans.model(), shade, detail.level, pool);
+      means_.emplace(spans->spans->model(), shade, detail.level, pool);
     }
     const Grid of_means = coarse_grid(atlas->grid(), detail.level);
     return volume_of(SheetSpans(means_->model(), std::move(factors)), factorise(view, of_means, &axis),
@@ -99,9 +132,17 @@ SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& vie
             detail};
   }
   strip_.reset();
-  if (!spans) spans.emplace();
-  spans->require(source, std::move(runs), pool);
-  return volume_of(SheetSpans(spans->spans.model(), std::move(factors)), shear, atlas->grid());
+  std::shared_ptr<const SpanBuilder> held;
+  if (options.quality != Quality::kDraft) held = borrow(key_of(source, axis), spans);
+  if (held) {
+    spans.reset();
+    strip_runs_.emplace(std::move(runs));
+  } else {
+    if (!spans) spans.emplace();
+    spans->require(source, std::move(runs), pool);
+    held = spans->spans;
+  }
+  return volume_of(SheetSpans(held->model(), std::move(factors)), shear, atlas->grid(), held);
 }
 
 SheetSpans SpanStore::in_strips(const SpanSource& source, SelectedRuns runs, std::vector<float> factors,

@@ -35,12 +35,13 @@ struct SheetVolume {
   Shear shear;  ///< of `grid`
   Grid grid;    ///< of the spans
   VolumeDetail detail;
+  std::shared_ptr<const SpanBuilder> held = nullptr;  ///< of this store or another one
 };
 
 /// Spans of the current or an earlier selection. Not thread-safe.
 struct AxisSpans {
   std::optional<SelectedRuns> runs;  ///< none: of an earlier selection
-  SpanBuilder spans;
+  std::shared_ptr<SpanBuilder> spans;
   bool has_lights = false;
 
   /// True if the spans are those of the current selection; with `shade`, also if lights are listed.
@@ -50,7 +51,8 @@ struct AxisSpans {
 };
 
 /// Cache of spans by axis: of one, for drafts of two. Keeps the spans of the latest axis after a change of
-/// selection, and reuses their unchanged parts. Not thread-safe.
+/// selection, and reuses their unchanged parts. Pictures other than drafts borrow the spans that another
+/// store has of the same selection, if any. Not thread-safe.
 class SpanStore {
  public:
   /// Prepares the volume of a frame: chooses its detail, and builds spans unless they are current. Blocks
