@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <new>
 #include <utility>
 
 #include "format/content/color.h"
@@ -163,10 +164,14 @@ void fill_faces(const ViewFaces& faces, const PictureSize& size, const PixelBox&
                 ThreadPool& pool) {
   const auto width = static_cast<std::size_t>(size.width), height = static_cast<std::size_t>(size.height);
   const bool has_back = faces.has_back();
-  if (layer.size != size || layer.empty() || layer.back.empty() == has_back) {
+  const auto no_faces = [&] {
+    Result<SparseBytes> zeros = SparseBytes::reserve(width * height * sizeof(Face));
+    return zeros ? *std::move(zeros) : throw std::bad_alloc();
+  };
+  if (layer.size != size || layer.empty() || (layer.back() == nullptr) == has_back) {
     layer.size = size;
-    layer.front.assign(width * height, {});
-    layer.back.assign(has_back ? width * height : 0, {});
+    layer.of_front = no_faces();
+    layer.of_back = has_back ? no_faces() : SparseBytes();
     layer.shown.assign(height, {});
   }
   const auto first = static_cast<std::size_t>(region.y_first),
@@ -175,8 +180,8 @@ void fill_faces(const ViewFaces& faces, const PictureSize& size, const PixelBox&
     check_task();
     for (std::size_t row = first + job * kRowsPerJob; row < std::min(end, first + (job + 1) * kRowsPerJob);
          ++row) {
-      Face* const front = layer.front.data() + row * width;
-      Face* const back = has_back ? layer.back.data() + row * width : nullptr;
+      Face* const front = layer.front() + row * width;
+      Face* const back = has_back ? layer.back() + row * width : nullptr;
       FaceLayer::Extent& shown = layer.shown[row];
       std::fill(front + shown.first, front + std::max(shown.first, shown.last), Face{});
       if (has_back) std::fill(back + shown.first, back + std::max(shown.first, shown.last), Face{});

@@ -9,6 +9,7 @@
 
 #include "format/content/structure_graph.h"
 #include "player/camera.h"
+#include "player/render/decode/sparse_bytes.h"
 #include "player/render/view/pixel_box.h"
 
 namespace splatlas {
@@ -44,16 +45,18 @@ struct FaceLayer {
   };
 
   PictureSize size{};
-  std::vector<Face> front;    ///< by pixel; empty without faces
-  std::vector<Face> back;     ///< by pixel; empty if no ray leaves the kept part
+  SparseBytes of_front;       ///< faces by pixel: few are written; empty without faces
+  SparseBytes of_back;        ///< faces by pixel; empty if no ray leaves the kept part
   std::vector<Extent> shown;  ///< of each row: pixels outside have no face
 
-  [[nodiscard]] bool empty() const { return front.empty(); }
+  [[nodiscard]] Face* front() const { return reinterpret_cast<Face*>(of_front.data()); }
+  [[nodiscard]] Face* back() const { return reinterpret_cast<Face*>(of_back.data()); }
+  [[nodiscard]] bool empty() const { return front() == nullptr; }
   [[nodiscard]] RayFaces at(std::size_t pixel) const {
-    return {front[pixel], back.empty() ? Face{} : back[pixel]};
+    return {front()[pixel], back() == nullptr ? Face{} : back()[pixel]};
   }
   /// True if a face hides all else of a pixel.
-  [[nodiscard]] bool hides(std::size_t pixel) const { return front[pixel].rgba[3] >= 1; }
+  [[nodiscard]] bool hides(std::size_t pixel) const { return front()[pixel].rgba[3] >= 1; }
   /// The pixels of a region that may have a face, with one more on each side.
   [[nodiscard]] PixelBox around_faces(const PixelBox& region) const {
     PixelBox box{size.width, -1, size.height, -1};
@@ -78,8 +81,8 @@ struct FaceLayer {
     }
   }
   void clear() {
-    front.clear();
-    back.clear();
+    of_front = {};
+    of_back = {};
     shown.clear();
   }
 };

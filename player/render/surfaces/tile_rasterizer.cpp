@@ -70,7 +70,7 @@ void TileRasterizer::begin(const RasterScene& scene, const PixelBox& tile, const
   // Nothing is seen behind opaque faces
   for_each_pixel([&](std::size_t pixel, std::uint32_t slot) {
     if (scene.faces->hides(pixel)) hiding_[slot] = -kNothingHidden;
-    if (layers_.has_faces()) layers_.pass_face(slot, scene.faces->front[pixel]);
+    if (layers_.has_faces()) layers_.pass_face(slot, scene.faces->front()[pixel]);
   });
   for (std::uint32_t block = 0; block < block_hiding_.size(); ++block) renew_block(block);
 }
