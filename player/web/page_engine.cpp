@@ -237,6 +237,7 @@ struct PageEngine::Call {
     engine.selected_ = text;
     engine.is_distinct_ = is_distinct;
     engine.warnings_ = warnings;
+    engine.told_ms_ = 0;
     engine.is_told_ = false;
     return Json(warnings);
   }
@@ -277,7 +278,8 @@ struct PageEngine::Call {
         answer["colors"].push_back(to_hex(engine.colors_[s]));
     }
     const RenderStats& stats = engine.frame_.stats;
-    answer["ms"] = stats.select_ms + stats.decode_ms + stats.render_ms;
+    const double select_ms = stats.select_ms - std::exchange(engine.told_ms_, stats.select_ms);
+    answer["ms"] = select_ms + stats.decode_ms + stats.render_ms;
     answer["missing"] = Json::array();
     for (const MissingPart& part : engine.frame_.missing)
       answer["missing"].push_back(describe(part, renderer->atlas().graph()));

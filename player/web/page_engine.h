@@ -79,6 +79,7 @@ class PageEngine {
   std::vector<Rgb> colors_;              // Atlas::distinct_colors(), once they are wanted
   std::vector<std::string> warnings_;    // about it
   bool is_told_ = true;                  // a picture has told of it
+  double told_ms_ = 0;                   // of RenderStats::select_ms, by pictures so far
   std::optional<PageSlices> slices_;
   Frame frame_;
   Camera camera_;  // of the frame
