@@ -88,7 +88,6 @@ void destroy(void* object) {
   delete static_cast<T*>(object);
 }
 
-/// Owns what is left of the answer.
 MHD_Response* response_of(HttpAnswer& answer) {
   if (answer.beat)
     return MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, 64, write_event,

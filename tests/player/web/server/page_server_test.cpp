@@ -254,14 +254,12 @@ TEST_F(PageServerTest, DrawsThePicturesOfTheRenderer) {
   EXPECT_EQ(call(1, R"({"call": "pick", "at": [120, 90]})").text, "null\n")
       << "each worker has a picture of its own";
   EXPECT_EQ(pick.status, 0U);
-  const auto ms = [&](const std::string& select) {
-    const std::string draw = R"({"call": "draw", "size": [16, 12], "select": ")" + select + "\"}";
-    return Json::parse(call(0, draw).text).at("ms").get<double>();
+  const auto ms = [&] {
+    const CallReply volume = call(0, R"({"call": "draw", "size": [16, 12], "select": "*"})");
+    return Json::parse(volume.text).at("ms").get<double>();
   };
-  const double first = ms("*");
-  double then = first;
-  for (int n = 0; n < 10; ++n) then = std::min(then, ms("*"));
-  EXPECT_LT(then, 0.8 * first) << "the selection counts once";
+  const double first = ms();
+  EXPECT_LT(std::min({ms(), ms(), ms(), ms(), ms(), ms()}), 0.8 * first) << "a selection counts once";
   EXPECT_EQ(Json::parse(call(0, R"({"call": "info"})").text).at("structures").size(), atlas_->graph().size());
 }
 
