@@ -1,7 +1,6 @@
 #include "player/camera_moves.h"
 
 #include <algorithm>
-#include <cmath>
 #include <variant>
 
 #include <fmt/format.h>

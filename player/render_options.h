@@ -51,8 +51,7 @@ struct RenderOptions {
   PictureSize size{512, 512};
   Quality quality = Quality::kNormal;
   Classification classification = Classification::kBefore;
-  /// Time for a draft, in ms; 0: as much as it takes. Within a budget, without ids, depth maps and depth
-  /// cue:
+  /// Time for a draft, in ms; 0: as much as it takes. Within a budget, without ids, depths and depth cue:
   ///   - Rays end where the nearest pixel centre meets an opaque surface or face of a cut: several times as
   ///     fast; silhouettes in the volume are rough by a pixel.
   ///   - After a draft that took longer, sheets have one pixel per voxel, and then pre-classified volumes are
@@ -118,11 +117,9 @@ struct RenderStats {
   double select_ms = 0, decode_ms = 0, render_ms = 0;
   /// Stages:
   ///   - traversal: merges runs to spans, or builds the ray volume, once per selection; lights voxels.
-  ///   - rasterize: surfaces to fragments, or to pixels.
   ///   - sheets: splatting and compositing of sheets, or ray casting.
   ///   - resolve: warps the sheet and composites fragments.
   ///   - ids: walk of rays for ids and depths beside sheets. Pictures by rays find both on the way.
-  ///   - depth_cue: darkening.
   Elapsed traversal, rasterize, sheets, resolve, ids, depth_cue;
 };
 

@@ -226,8 +226,7 @@ struct Renderer::Impl {
     call.task.begin_stage(kDecoded, 5);  // classes, their runs twice, light, surfaces
     Stopwatch watch;
     stats.surface_level = decoded.surface_level(drawn.plan(), voxel_pixels, options, pool);
-    // Faces are those of surfaces of level 0
-    if (stats.surface_level > 0 && shows_faces(options))
+    if (stats.surface_level > 0 && shows_faces(options))  // faces need level 0
       SPLATLAS_RETURN_IF_ERROR(decode(axis, options, VoxelParts::kNone));
     // Surfaces first: a damaged one leaves the plan, and blocks are those of a plan
     const bool waits = decoded.waits_for_values(drawn.plan(), voxel_pixels, options, pool);

@@ -1,7 +1,6 @@
 #include <array>
 #include <csignal>
 #include <cstdlib>
-#include <ctime>
 #include <string>
 #include <utility>
 

@@ -43,11 +43,6 @@ std::array<float, 3> tinted(float luminance, const std::array<float, 3>& color) 
   return {share * color[0] + of_white, share * color[1] + of_white, share * color[2] + of_white};
 }
 
-const LinearLight& linear_light() {
-  static const LinearLight kLight;
-  return kLight;
-}
-
 }  // namespace
 
 Result<CutFaces> CutFaces::build(const CutPlanes& planes, const FaceScene& scene, const CutFaces* former,
@@ -74,7 +69,8 @@ Result<CutFaces> CutFaces::build(const CutPlanes& planes, const FaceScene& scene
 void CutFaces::set(const FaceSample& sample, CapMode mode, float depth, Face& out) const {
   if (sample.style == nullptr) return;
   const FaceStyle& style = *sample.style;
-  const float light = linear_light().of(sample.grey);
+  static const LinearLight kLinear;
+  const float light = kLinear.of(sample.grey);
   std::array<float, 3> color = style.color;
   if (mode == CapMode::kValues) {
     color.fill(light);

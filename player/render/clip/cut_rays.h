@@ -1,11 +1,9 @@
 // Clipping of rays by cutting planes.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <span>
 #include <vector>
 
 #include "format/content/cut_planes.h"

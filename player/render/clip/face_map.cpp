@@ -207,8 +207,7 @@ void FaceMap::add_solids(const VoxelPlane& plane, const FaceScene& scene, Thread
       face_classes(scene.atlas.classes(), scene.selection, scene.plan, outlined));
 }
 
-const FaceStyle* FaceMap::largest_face(const Cell& cell, const std::array<float, 4>& of_column,
-                                       const Texel& nearest) const {
+const FaceStyle* FaceMap::largest_face(const Corners& corners, const Texel& nearest) const {
   struct Share {
     const FaceStyle* face;
     float weight;
@@ -226,9 +225,8 @@ const FaceStyle* FaceMap::largest_face(const Cell& cell, const std::array<float,
   };
   Share* largest = &share_of(own_face(nearest));
   for (std::size_t n = 0; n < 8; ++n) {
-    const Texel& texel = *cell.texels[n];
-    if (const FaceStyle* face = own_face(texel))
-      share_of(face).weight += of_column[n / 2] * cell.of_layer[n % 2] * texel.share;
+    const Texel& texel = *corners.texels[n];
+    if (const FaceStyle* face = own_face(texel)) share_of(face).weight += corners.weights[n] * texel.share;
   }
   for (std::size_t n = 1; n < count; ++n) {
     if (shares[n].weight > largest->weight + kTie) largest = &shares[n];

@@ -103,8 +103,7 @@ class FaceMap {
   /// The point of the plane with these continuous voxel indices along axis_b() and axis_c(). A point halfway
   /// between two voxel centres belongs to the voxel on the kept side.
   [[nodiscard]] FaceSample at(double b, double c) const {
-    Cell cell;
-    return contains(b, c) ? at_inside(b, c, cell) : FaceSample{};
+    return contains(b, c) ? at_inside(b, c) : FaceSample{};
   }
   /// The same for points (b, c), (b + per_step_b, c + per_step_c), ...: calls take(n, sample) for those with
   /// a face. Points outside the map cost nothing.
@@ -124,12 +123,11 @@ class FaceMap {
     clip(b, per_step_b, low_b(), high_b());
     clip(c, per_step_c, low_c(), high_c());
     if (!(first <= last)) return;
-    Cell cell;  // of the latest point: the next one often lies in it, too
     for (auto n = static_cast<std::int64_t>(first); n <= static_cast<std::int64_t>(last); ++n) {
       const double at_b = b + static_cast<double>(n) * per_step_b,
                    at_c = c + static_cast<double>(n) * per_step_c;
       if (!contains(at_b, at_c)) continue;
-      if (const FaceSample sample = at_inside(at_b, at_c, cell); sample.style != nullptr) take(n, sample);
+      if (const FaceSample sample = at_inside(at_b, at_c); sample.style != nullptr) take(n, sample);
     }
   }
 
@@ -155,25 +153,18 @@ class FaceMap {
   [[nodiscard]] bool contains(double b, double c) const {
     return b >= low_b() && b < high_b() && c >= low_c() && c < high_c();
   }
-  /// The voxels around a point: eight, each pair along a, and their sums by column at the plane's height.
-  struct Cell {
-    std::int64_t b = -1, c = -1;  ///< of its first column
-    std::array<const Texel*, 8> texels{};
-    std::array<float, 2> of_layer{};                 ///< weights
-    std::array<float, 4> weights{}, greys{}, own{};  ///< of voxels with faces; of their own ones, the shares
-    int whole = 0;                                   ///< voxels with whole faces
-    bool is_mixed = false, is_behind = false;  ///< several ids; nearer to the second voxels of the pairs
+  [[nodiscard]] FaceSample at_inside(double b, double c) const;
+  /// The voxels around a point, with their trilinear weights.
+  struct Corners {
+    std::array<const Texel*, 8> texels;
+    std::array<float, 8> weights;
   };
-  [[nodiscard]] Cell cell(double a, std::int64_t b, std::int64_t c) const;
-  /// `cell`: that of an earlier point, or none; becomes that of this one.
-  [[nodiscard]] FaceSample at_inside(double b, double c, Cell& cell) const;
   /// The face of a voxel, apart from solids with outlines; null if it has none.
   [[nodiscard]] const FaceStyle* own_face(const Texel& texel) const {
     return (texel.id & kOwnFace) != 0 ? &(*apart_)[texel.class_id()] : nullptr;
   }
   /// The face with the largest share of the voxels around a point. Of equal shares, that of the nearest one.
-  [[nodiscard]] const FaceStyle* largest_face(const Cell& cell, const std::array<float, 4>& of_column,
-                                              const Texel& nearest) const;
+  [[nodiscard]] const FaceStyle* largest_face(const Corners& corners, const Texel& nearest) const;
   /// Decides between two voxels at the same distance, and between equal shares.
   static constexpr double kTie = 1e-6;
   [[nodiscard]] double height(double b, double c) const { return at_origin_ + per_b_ * b + per_c_ * c; }
@@ -198,60 +189,53 @@ class FaceMap {
   SolidOutlines outlines_;
 };
 
-inline FaceMap::Cell FaceMap::cell(double a, std::int64_t b, std::int64_t c) const {
-  Cell cell{.b = b, .c = c};
-  const auto a0 = static_cast<std::int64_t>(a);
-  const double in_a = a - static_cast<double>(a0);
-  const std::int64_t layers = (std::int64_t{1} << layer_bits_) - 1;
-  const std::array<std::int64_t, 2> layer{a0 & layers, (a0 + 1) & layers};
-  cell.is_behind = in_a + to_kept_ >= 0.5;
-  cell.of_layer = {1 - static_cast<float>(in_a), static_cast<float>(in_a)};
-  for (std::int64_t n = 0; n < 4; ++n) {
-    const Texel* const column = texels() + (((c + (n >> 1)) * columns_ + b + (n & 1)) << layer_bits_);
-    for (std::size_t side = 0; side < 2; ++side) {
-      const auto corner = static_cast<std::size_t>(2 * n) + side;
-      const Texel& texel = *(cell.texels[corner] = column + layer[side]);
-      cell.is_mixed |= texel.id != cell.texels[0]->id;
-      if (!texel.has_face()) continue;
-      const float weight = cell.of_layer[side];
-      cell.weights[corner / 2] += weight;
-      cell.greys[corner / 2] += weight * texel.grey;
-      if ((texel.id & kOwnFace) != 0) cell.own[corner / 2] += weight * texel.share;
-      cell.whole += texel.share >= 1 ? 1 : 0;
-    }
-  }
-  return cell;
-}
-
-inline FaceSample FaceMap::at_inside(double b, double c, Cell& cell) const {
+inline FaceSample FaceMap::at_inside(double b, double c) const {
   // Find the voxels around the point. Conversion rounds positive numbers down; std::floor() is a call
   constexpr double kPositive = 1 << 26;  // beyond any grid, and a multiple of the number of layers
+  const double a = height(b, c) + kPositive;
   const double from_b = b - static_cast<double>(first_b_), from_c = c - static_cast<double>(first_c_);
-  const auto b0 = static_cast<std::int64_t>(from_b), c0 = static_cast<std::int64_t>(from_c);
-  if (reach_ > 0 || cell.b != b0 || cell.c != c0) cell = this->cell(height(b, c) + kPositive, b0, c0);
+  const auto a0 = static_cast<std::int64_t>(a), b0 = static_cast<std::int64_t>(from_b),
+             c0 = static_cast<std::int64_t>(from_c);
+  const double in_a = a - static_cast<double>(a0), in_b = from_b - static_cast<double>(b0),
+               in_c = from_c - static_cast<double>(c0);
+  const std::int64_t layers = (std::int64_t{1} << layer_bits_) - 1;
+  const std::int64_t low = a0 & layers, high = (a0 + 1) & layers;
+  const Texel* columns[4];
+  for (std::int64_t n = 0; n < 4; ++n)
+    columns[n] = texels() + (((c0 + (n >> 1)) * columns_ + b0 + (n & 1)) << layer_bits_);
 
   // Interpolate between those with faces
-  const double in_b = from_b - static_cast<double>(b0), in_c = from_c - static_cast<double>(c0);
-  const auto b1 = static_cast<float>(in_b), c1 = static_cast<float>(in_c);
-  const std::array<float, 4> of_column{(1 - b1) * (1 - c1), b1 * (1 - c1), (1 - b1) * c1, b1 * c1};
-  float weights = 0, sum = 0, own = 0;
-  for (std::size_t n = 0; n < 4; ++n) {
-    weights += of_column[n] * cell.weights[n];
-    sum += of_column[n] * cell.greys[n];
-    own += of_column[n] * cell.own[n];
+  const auto a1 = static_cast<float>(in_a), b1 = static_cast<float>(in_b), c1 = static_cast<float>(in_c);
+  const float of_column[4] = {(1 - b1) * (1 - c1), b1 * (1 - c1), (1 - b1) * c1, b1 * c1};
+  Corners corners;
+  float sum = 0, weights = 0, own = 0;
+  int whole = 0;
+  const std::uint32_t id = columns[0][low].id;
+  bool is_mixed = false;
+  for (std::size_t n = 0; n < 8; ++n) {
+    const Texel& texel = columns[n / 2][n % 2 == 0 ? low : high];
+    corners.texels[n] = &texel;
+    const float weight = corners.weights[n] = of_column[n / 2] * (n % 2 == 0 ? 1 - a1 : a1);
+    is_mixed |= texel.id != id;
+    if (!texel.has_face()) continue;
+    weights += weight;
+    sum += weight * texel.grey;
+    if ((texel.id & kOwnFace) != 0) own += weight * texel.share;
+    whole += texel.share >= 1 ? 1 : 0;
   }
   if (!(weights > 0)) return {};
 
   // Find the face that hides all others
-  const std::size_t column = (in_b >= 0.5 ? 1 : 0) + (in_c >= 0.5 ? 2 : 0);
-  const Texel& nearest = *cell.texels[2 * column + (cell.is_behind ? 1 : 0)];
-  const FaceStyle* style = own < 0.5 - kTie ? nullptr : own_face(nearest);
-  if (cell.is_mixed && (own > 0.5 + kTie || style != nullptr)) style = largest_face(cell, of_column, nearest);
+  const std::int64_t nearest_a = in_a + to_kept_ >= 0.5 ? high : low;
+  const Texel nearest = columns[(in_b >= 0.5 ? 1 : 0) + (in_c >= 0.5 ? 2 : 0)][nearest_a];
+  const FaceStyle* style = own_face(nearest);
+  if (own < 0.5 - kTie) style = nullptr;
+  if (is_mixed && (own > 0.5 + kTie || style != nullptr)) style = largest_face(corners, nearest);
   if (!solids_.empty()) {
     if (const std::uint32_t solid = outlines_.at(b, c); solid != SolidOutlines::kNone) {
       if (style == nullptr || solids_[solid].hides(*style)) style = &solids_[solid];
     }
-    if (style == nullptr && cell.whole == 8) style = &(*classes_)[nearest.class_id()];
+    if (style == nullptr && whole == 8) style = &(*classes_)[nearest.class_id()];
   }
   if (style == nullptr) return {};
   return {style, sum / weights};

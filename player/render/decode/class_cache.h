@@ -177,9 +177,8 @@ class ClassCache {
   struct KeptSurface {
     SharedSurface decoded;
     std::uint64_t used = 0;  // number of the latest selection that draws it
-    [[nodiscard]] std::uint64_t bytes() const {
-      return 76 * decoded->mesh.triangles.size();
-    }  // with clusters
+    /// Of mesh and clusters, with half a vertex a triangle.
+    [[nodiscard]] std::uint64_t bytes() const { return 76 * decoded->mesh.triangles.size(); }
   };
   /// Decodes a surface, unless another cache of this atlas has it: both then share it.
   [[nodiscard]] Result<SharedSurface> decode_surface(StructureIndex s, int level) const;

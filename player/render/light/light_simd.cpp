@@ -5,7 +5,6 @@
 // Must come after foreach_target.h.
 #include <cstddef>
 #include <cstdint>
-#include <span>
 
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>

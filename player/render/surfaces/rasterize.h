@@ -41,11 +41,11 @@ class Rasterizer {
   /// linear in vertices, triangles and visible fragments; those at edges count once per sample.
   [[nodiscard]] Result<std::uint64_t> draw(const RasterScene& scene, const RasterOptions& options,
                                            FragmentList& out, ThreadPool& pool);
-  /// Draws surfaces in the whole picture, without a volume between them: composites the fragments and faces
-  /// of each sample, and replaces the picture by the means of the samples. `depths`:
-  /// for a volume in front of opaque surfaces, with faces around both: faces are not painted, and it receives
-  /// the depth of each pixel's surface or opaque front face, or infinity; null: no volume. The same errors,
-  /// but the limit is that of what a tile holds at once.
+  /// Draws surfaces in the whole picture, without a volume between them: composites fragments and faces of
+  /// each sample, and replaces the picture by the means of the samples. `depths`: for a volume in front of
+  /// opaque surfaces, with faces around both: faces are not painted, and it receives the depth of each
+  /// pixel's surface or opaque front face, or infinity; null: no volume. The limit is that of what a tile
+  /// holds.
   [[nodiscard]] Result<std::uint64_t> paint(const RasterScene& scene, const RasterOptions& options,
                                             Picture& picture, std::vector<float>* depths, ThreadPool& pool);
 

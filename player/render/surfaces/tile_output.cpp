@@ -63,7 +63,7 @@ void TileRasterizer::paint_opaque_row(std::int32_t y, std::vector<float>& pictur
   std::fill_n(rgba, 4 * columns, 0.0f);
   if (depths != nullptr) std::fill_n(&(*depths)[pixel], columns, kNothingHidden);
   for (std::size_t x = 0; depths != nullptr && scene_->faces != nullptr && x < columns; ++x) {
-    if (scene_->faces->hides(pixel + x)) (*depths)[pixel + x] = scene_->faces->front[pixel + x].depth;
+    if (scene_->faces->hides(pixel + x)) (*depths)[pixel + x] = scene_->faces->front()[pixel + x].depth;
   }
 
   // Interpolate the normals of covered pixels, and light them all together
