@@ -117,6 +117,7 @@ struct RenderStats {
   double select_ms = 0, decode_ms = 0, render_ms = 0;
   /// Stages:
   ///   - traversal: merges runs to spans, or builds the ray volume, once per selection; lights voxels.
+  ///   - rasterize: surfaces to fragments, or to pixels; depth_cue: darkening.
   ///   - sheets: splatting and compositing of sheets, or ray casting.
   ///   - resolve: warps the sheet and composites fragments.
   ///   - ids: walk of rays for ids and depths beside sheets. Pictures by rays find both on the way.

@@ -19,7 +19,6 @@
 namespace splatlas {
 namespace {
 
-/// Arguments of one call of render().
 struct FrameCall {
   const View& view;
   const RenderOptions& options;
@@ -140,7 +139,6 @@ struct Renderer::Impl {
     if (!walks_rays(options)) rays.clear();
     SPLATLAS_ASSIGN_OR_RETURN(const Shear shear, shear_of(view.plane, atlas->grid(), overrides));
 
-    // Decode the selection along the principal axis
     SPLATLAS_ASSIGN_OR_RETURN(const bool by_blocks,
                               decode_for(call, shear.principal, shear.voxel_pixels(), [&] {
                                 return spans.require_blocks(span_source(call.options), pool);
@@ -185,7 +183,6 @@ struct Renderer::Impl {
     const auto& [view, options, overrides, task] = call;
     const std::uint64_t max_bytes = max_memory_bytes - frame_bytes(options);
     if (!rays.fits(options)) spans.clear();
-    // Decode the selection
     SPLATLAS_ASSIGN_OR_RETURN(const bool by_blocks,
                               decode_for(call, Axis::kZ, voxel_pixels_of(view, atlas->grid()), [&] {
                                 return rays.require_blocks(call.options, atlas, drawn, max_bytes, pool);

@@ -170,7 +170,7 @@ struct Kept {
 
 /// A smoothed mesh. Consumes the net and keeps its memory.
 SurfaceMesh smooth_mesh(SurfaceNet net, const Grid& grid, SurfaceRule rule) {
-  SmoothedNet smoothed = smooth(net, std::move(Kept::of_thread().smoothed));
+  SmoothedNet smoothed = smooth(net, std::move(Kept::of_thread().smoothed), rule == SurfaceRule::kSmooth);
   SurfaceMesh mesh = triangles_of(net, grid, rule);
   if (rule == SurfaceRule::kUneven) mesh.positions_ijk = smooth_across(net, smoothed, grid);
   mesh.positions_ijk.resize(net.vertices.size());

@@ -24,7 +24,7 @@ Vec3f operator*(float s, const Vec3f& a) {
 struct Planes {
   std::array<Vec3f, 4> normals{}, ways{};  // ways: to the neighbours, before both move
   std::array<float, 4> shares{};           // of the way to each plane
-  std::array<float, 2> slides{};           // of the way along it to two opposite neighbours
+  std::array<float, 2> slides{};           // along the surface: of the ways to two opposite neighbours
   Vec3f normal{};                          // of the vertex
   float reach = 0;
 };

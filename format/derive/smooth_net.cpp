@@ -283,11 +283,11 @@ class Relaxation {
 
 }  // namespace
 
-SmoothedNet smooth(const SurfaceNet& net, SmoothedNet reused) {
+SmoothedNet smooth(const SurfaceNet& net, SmoothedNet reused, bool with_offsets) {
   SmoothedNet result = std::move(reused);
   Scratch& scratch = Scratch::of_thread(net.vertices.size());
   DirectionFilter(net, scratch).filter(result.directions);
-  Relaxation(net, result.directions, scratch).relax(result.offsets);
+  if (with_offsets) Relaxation(net, result.directions, scratch).relax(result.offsets);
   scratch.shrink();
   return result;
 }

@@ -230,9 +230,9 @@ struct SmoothedNet {
 
 /// Smooths a net by 16 steps of averaging of area vectors and 8 steps of relaxation, docs/atlas_surfaces.md.
 /// Integers only: the same bits on every machine, whatever the numbering of the vertices. Mirrored and
-/// complementary masks have mirrored and opposite results. The result is in the memory of `reused`. Cost:
-/// about 60 ns and 80 bytes per vertex.
-[[nodiscard]] SmoothedNet smooth(const SurfaceNet& net, SmoothedNet reused = {});
+/// complementary masks have mirrored and opposite results. The result is in the memory of `reused`, the
+/// offsets only with `with_offsets`. Cost: about 60 ns and 80 bytes per vertex.
+[[nodiscard]] SmoothedNet smooth(const SurfaceNet& net, SmoothedNet reused = {}, bool with_offsets = true);
 
 /// Positions of SurfaceRule::kUneven, docs/atlas_surfaces.md: middles of edges moved onto the planes between
 /// them and their neighbours, by the directions of smooth() (Sun et al. 2007, "Fast and effective

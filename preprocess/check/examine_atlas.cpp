@@ -20,9 +20,9 @@ namespace {
 constexpr std::string_view kFindings =
 #include "preprocess/check/findings.txt"
     ;
-constexpr std::string_view kHeadWords =
+constexpr std::string_view kHeadWords[] = {
 #include "preprocess/check/head_words.txt"
-    ;
+};
 
 class Examiner {
  public:
@@ -210,10 +210,14 @@ class Examiner {
 };
 
 bool tells_of_a_head(const StructureGraph& graph) {
-  const std::vector<std::string_view> heads = split(kHeadWords, ' ');
+  const std::vector<std::string_view> heads = split(kHeadWords[0], ' '), others = split(kHeadWords[1], ' ');
   return std::ranges::any_of(graph.structures(), [&](const Structure& structure) {
-    return std::ranges::any_of(words_of(structure.name),
-                               [&](const std::string& word) { return std::ranges::count(heads, word) > 0; });
+    auto words = words_of(structure.name);
+    const auto has = [&](const auto& list) {
+      return std::ranges::any_of(words, [&](const auto& word) { return std::ranges::count(list, word) > 0; });
+    };
+    if (has(others)) std::erase(words, "head");
+    return has(heads);
   });
 }
 

@@ -138,7 +138,6 @@ FaceLayer::Extent ViewFaces::row_of_parallel_rays(double y, std::int32_t width, 
     const std::int32_t begin = pixel(first), end = pixel(last);
     if (begin >= end) continue;
 
-    // Follow the plane along the row
     const FaceMap& map = faces_.map(of.plane);
     const double x = begin + 0.5;
     const Vec3 here = rays_.index_at(x, y, of.at_zero + of.per_x * x);

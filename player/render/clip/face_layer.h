@@ -45,7 +45,7 @@ struct FaceLayer {
   };
 
   PictureSize size{};
-  SparseBytes of_front;       ///< faces by pixel: few are written; empty without faces
+  SparseBytes of_front;       ///< faces by pixel: few are written, others are zeros; empty without faces
   SparseBytes of_back;        ///< faces by pixel; empty if no ray leaves the kept part
   std::vector<Extent> shown;  ///< of each row: pixels outside have no face
 

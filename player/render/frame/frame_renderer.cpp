@@ -14,7 +14,6 @@ namespace {
 
 /// Progress of a frame at the end of each stage.
 constexpr double kBegun = 0.3, kResolved = 0.95;
-/// Number of loops that report progress.
 constexpr std::size_t kRasterLoops = 8, kResolveLoops = 2, kCueLoops = 4;
 /// Pixels of a region with fragments, in whole tiles of the warp. Larger ones take more memory; smaller ones
 /// draw more of the volume twice, at their borders. Opaque surfaces leave few fragments.
@@ -22,7 +21,6 @@ constexpr std::int32_t kRegionWidth = 512, kRegionHeight = 256, kOpaqueRegion = 
 
 /// Bytes of the rasteriser and the volume pass per fragment, for samples with a single fragment.
 constexpr std::size_t kBytesPerFragment = 200;
-/// Bytes per pixel of edge detection.
 constexpr std::uint64_t kBytesToFindEdges = 48;
 /// Maximum of 32-bit fragment indices.
 constexpr std::size_t kMaxFragments = 0xfffffffe;

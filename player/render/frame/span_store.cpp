@@ -133,7 +133,8 @@ SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& vie
   }
   strip_.reset();
   std::shared_ptr<const SpanBuilder> held;
-  if (options.quality != Quality::kDraft) held = borrow(key_of(source, axis), spans);
+  const bool has_own = spans && spans->current(shade);
+  if (options.quality != Quality::kDraft && !has_own) held = borrow(key_of(source, axis), spans);
   if (held) {
     spans.reset();
     strip_runs_.emplace(std::move(runs));

@@ -88,8 +88,8 @@ class SpanStore {
   // Of the current selection
   std::optional<CoarseSpans> means_;
   std::optional<BlockSpans> blocks_;
+  std::optional<SelectedRuns> strip_runs_;  // of a frame in strips, or of borrowed spans
   // Of the latest frame, if it was drawn in strips
-  std::optional<SelectedRuns> strip_runs_;
   SpanModel strip_frame_;
   std::optional<SpanBuilder> strip_;  // of its latest strip
   DraftPace pace_;
