@@ -217,7 +217,7 @@ Result<void> add_drafts(const std::filesystem::path& path, const BenchOptions& o
   for (const BenchScene& scene : kClinicScenes) {
     options.tell(fmt::format("{} by VTK", scene.name));
     RenderOptions render{.size = kSize, .quality = Quality::kDraft};
-    if (scene.name == std::string_view("cut")) render.cuts = *parse_cuts("left=0");
+    if (scene.name == std::string_view("cut")) render.cuts = *parse_cuts("left=122");
     SPLATLAS_ASSIGN_OR_RETURN(const double vtk_ms, vtk_frame_ms(content, scene));
     for (const double budget : {kBudgetMs, 0.0}) {
       if (options.quick && budget == 0) continue;
@@ -238,8 +238,9 @@ Result<void> add_drafts(const std::filesystem::path& path, const BenchOptions& o
                             {"bytes_per_voxel", per_voxel},
                             {"vtk_ms", vtk_ms}});
       if (budget == 0) continue;
-      raise(report.summary, "clinic_draft_over_vtk", played.steady.wall_ms / vtk_ms);
       report.summary[fmt::format("clinic_draft_{}_ms", scene.name)] = played.steady.wall_ms;
+      if (!render.cuts.empty()) continue;  // of half the head
+      raise(report.summary, "clinic_draft_over_vtk", played.steady.wall_ms / vtk_ms);
       raise(report.summary, "clinic_first_ms", played.first.wall_ms);
       raise(report.summary, "clinic_bytes_per_voxel", per_voxel);
     }
