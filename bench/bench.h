@@ -21,6 +21,7 @@ struct BenchOptions {
 struct BenchScene {
   const char* name;
   const char* selection;  ///< selection text
+  const char* cuts = "";  ///< of parse_cuts()
 };
 
 /// Of the bench `scale`: first pictures and steady drafts of a CT as large as a clinic's, at the budget of

@@ -120,10 +120,11 @@ constexpr PictureSize kSize{1920, 1080};
 constexpr double kVoxels = 512.0 * 512 * 324;
 constexpr int kDrafts = 11, kFirstDrafts = 4;
 
-constexpr std::array kClinicScenes{BenchScene{"volume", "Bone:volume + \"Soft tissue\":volume"},
-                                   BenchScene{"surfaces", "Bone:surface + \"Soft tissue\":surface"},
-                                   BenchScene{"mixed", "Bone:surface + \"Soft tissue\":volume(opacity=0.05)"},
-                                   BenchScene{"cut", "Bone:surface + \"Soft tissue\":volume(opacity=0.05)"}};
+constexpr std::array kClinicScenes{
+    BenchScene{"volume", "Bone:volume + \"Soft tissue\":volume"},
+    BenchScene{"surfaces", "Bone:surface + \"Soft tissue\":surface"},
+    BenchScene{"mixed", "Bone:surface + \"Soft tissue\":volume(opacity=0.05)"},
+    BenchScene{"cut", "Bone:surface + \"Soft tissue\":volume(opacity=0.05)", "left=122"}};
 
 /// Frames of a selection, as the window draws them: a draft, a normal picture, and drafts of a turn.
 struct PlayedDrafts {
@@ -216,16 +217,16 @@ Result<void> add_drafts(const std::filesystem::path& path, const BenchOptions& o
   SPLATLAS_ASSIGN_OR_RETURN(const AtlasContent content, read_with_8_bits(path));
   for (const BenchScene& scene : kClinicScenes) {
     options.tell(fmt::format("{} by VTK", scene.name));
-    RenderOptions render{.size = kSize, .quality = Quality::kDraft};
-    if (scene.name == std::string_view("cut")) render.cuts = *parse_cuts("left=122");
+    RenderOptions draft{.size = kSize, .quality = Quality::kDraft};
+    SPLATLAS_ASSIGN_OR_RETURN(draft.cuts, parse_cuts(scene.cuts));
     SPLATLAS_ASSIGN_OR_RETURN(const double vtk_ms, vtk_frame_ms(content, scene));
     for (const double budget : {kBudgetMs, 0.0}) {
       if (options.quick && budget == 0) continue;
       options.tell(fmt::format("{}, budget {} ms", scene.name, budget));
       SPLATLAS_ASSIGN_OR_RETURN(const PeakMemory memory, PeakMemory::start());
-      render.draft_budget_ms = budget;
+      draft.draft_budget_ms = budget;
       SPLATLAS_ASSIGN_OR_RETURN(const PlayedDrafts played,
-                                play(path, scene.selection, oblique_camera(), render));
+                                play(path, scene.selection, oblique_camera(), draft));
       SPLATLAS_ASSIGN_OR_RETURN(const std::uint64_t grown, memory.grown_bytes());
       const double per_voxel = static_cast<double>(grown) / kVoxels;
       table.rows.push_back({{"scene", scene.name},
@@ -239,7 +240,7 @@ Result<void> add_drafts(const std::filesystem::path& path, const BenchOptions& o
                             {"vtk_ms", vtk_ms}});
       if (budget == 0) continue;
       report.summary[fmt::format("clinic_draft_{}_ms", scene.name)] = played.steady.wall_ms;
-      if (!render.cuts.empty()) continue;  // of half the head
+      if (!draft.cuts.empty()) continue;  // of half the head
       raise(report.summary, "clinic_draft_over_vtk", played.steady.wall_ms / vtk_ms);
       raise(report.summary, "clinic_first_ms", played.first.wall_ms);
       raise(report.summary, "clinic_bytes_per_voxel", per_voxel);

@@ -25,7 +25,7 @@ double stored_means(const SpanSource& source) {
   return voxels;
 }
 
-/// What spans depend on, without classes that could not be read.
+/// Identifies spans: atlas, axis, whether they have lights, selection, and the classes left in the draw plan.
 using SpanKey = std::tuple<const Atlas*, Axis, bool, Selection, std::vector<ClassDraw>>;
 SpanKey key_of(const SpanSource& source, Axis axis) {
   return {source.atlas.get(), axis, source.shade, source.selection, source.plan.classes};

@@ -61,9 +61,9 @@ void TileRasterizer::paint_opaque_row(std::int32_t y, std::vector<float>& pictur
                             static_cast<std::size_t>(tile_.x_first);
   float* const rgba = &picture[4 * pixel];
   std::fill_n(rgba, 4 * columns, 0.0f);
-  if (depths != nullptr) std::fill_n(&(*depths)[pixel], columns, kNothingHidden);
-  for (std::size_t x = 0; depths != nullptr && scene_->faces != nullptr && x < columns; ++x) {
-    if (scene_->faces->hides(pixel + x)) (*depths)[pixel + x] = scene_->faces->front()[pixel + x].depth;
+  for (std::size_t n = pixel; depths != nullptr && n < pixel + columns; ++n) {
+    const bool is_hidden = scene_->faces != nullptr && scene_->faces->hides(n);
+    (*depths)[n] = is_hidden ? scene_->faces->front()[n].depth : kNothingHidden;
   }
 
   // Interpolate the normals of covered pixels, and light them all together
