@@ -65,15 +65,9 @@ Camera zoomed(const Camera& camera, double factor) {
 
 Camera zoomed_at(const Camera& camera, double factor, double x, double y, const PictureSize& size,
                  const Display& display) {
-  Camera result = zoomed(camera, factor);
-  const auto before = parallel_view(camera, size, display);
-  const auto after = parallel_view(result, size, display);
-  if (!before || !after) return camera;
-  const Vec3 was = before->point_lps_mm(x, y), is = after->point_lps_mm(x, y);
-  Vec3 center = before->center_lps_mm;
-  for (std::size_t a = 0; a < 3; ++a) center[a] += was[a] - is[a];
-  result.center_lps_mm = center;
-  return result;
+  const Camera result = zoomed(camera, factor);
+  const double drag = result.zoom / camera.zoom - 1;
+  return moved_by_drag(result, drag * (size.width / 2.0 - x), drag * (size.height / 2.0 - y), size, display);
 }
 
 std::optional<std::pair<Vec3, Vec3>> bounding_box(const Atlas& atlas, const Selection& selection) {

@@ -25,9 +25,8 @@ class BitRows {
     }
   }
 
-  /// Words from a row to the next, and from a slice to the next.
+  /// Words from a row to the next.
   [[nodiscard]] std::size_t words() const { return words_; }
-  [[nodiscard]] std::size_t slice_words() const { return words_ * static_cast<std::size_t>(height_); }
   [[nodiscard]] const Word* inside(std::int64_t j, std::int64_t k) const { return &inside_[row_at(j, k)]; }
   [[nodiscard]] const Word* boundary(std::int64_t j, std::int64_t k) const {
     return &boundary_[row_at(j, k)];

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <new>
+#include <optional>
 #include <utility>
 
 #include "format/content/color.h"
@@ -33,15 +34,31 @@ class LinearLight {
   std::array<float, kSteps + 1> table_{};
 };
 
-/// The colour, darkened or mixed with white, that has this luminance (Rec. 709); linear light.
-std::array<float, 3> tinted(float luminance, const std::array<float, 3>& color) {
-  const float of_color = 0.2126f * color[0] + 0.7152f * color[1] + 0.0722f * color[2];
-  const bool is_darker = luminance < of_color;
-  const float of_white =
-      is_darker ? 0 : (luminance - of_color) / std::max(1 - of_color, std::numeric_limits<float>::min());
-  const float share = is_darker ? luminance / of_color : 1 - of_white;
-  return {share * color[0] + of_white, share * color[1] + of_white, share * color[2] + of_white};
-}
+/// Paints the faces of a style: its colour, darkened or mixed with white to the luminance (Rec. 709) of the
+/// grey value.
+struct FacePaint {
+  const FaceStyle* style;
+  bool is_flat;
+  std::array<float, 3> color{};
+  float luminance, per_dark, per_light;
+
+  FacePaint(const FaceStyle& of, CapMode mode, bool has_greys)
+      : style(&of), is_flat(mode == CapMode::kLabels || (mode == CapMode::kBoth && !has_greys)) {
+    constexpr float kTiny = std::numeric_limits<float>::min();
+    if (mode != CapMode::kValues) color = of.color;
+    luminance = 0.2126f * color[0] + 0.7152f * color[1] + 0.0722f * color[2];
+    per_dark = 1 / std::max(luminance, kTiny);
+    per_light = 1 / std::max(1 - luminance, kTiny);
+  }
+  [[nodiscard]] Face face(float grey, float depth) const {
+    static const LinearLight kLinear;
+    const float light = kLinear.of(grey);
+    const float share = is_flat ? 1 : std::min(light * per_dark, (1 - light) * per_light);
+    const float white = is_flat ? 0 : light - std::min(share * luminance, light);
+    const auto shown = [&](float c) { return style->opacity * (share * c + white); };
+    return {{shown(color[0]), shown(color[1]), shown(color[2]), style->opacity}, depth, style->structure};
+  }
+};
 
 }  // namespace
 
@@ -62,25 +79,7 @@ Result<CutFaces> CutFaces::build(const CutPlanes& planes, const FaceScene& scene
     SPLATLAS_ASSIGN_OR_RETURN(FaceMap map, FaceMap::build(of_grid[n], scene, pool));
     faces.maps_.push_back(std::make_shared<const FaceMap>(std::move(map)));
   }
-  faces.has_greys_ = !faces.maps_.empty() && faces.maps_.front()->has_greys();
   return faces;
-}
-
-void CutFaces::set(const FaceSample& sample, CapMode mode, float depth, Face& out) const {
-  if (sample.style == nullptr) return;
-  const FaceStyle& style = *sample.style;
-  static const LinearLight kLinear;
-  const float light = kLinear.of(sample.grey);
-  std::array<float, 3> color = style.color;
-  if (mode == CapMode::kValues) {
-    color.fill(light);
-  } else if (mode == CapMode::kBoth && has_greys_) {
-    color = tinted(light, style.color);
-  }
-  for (std::size_t c = 0; c < 3; ++c) out.rgba[c] = style.opacity * color[c];
-  out.rgba[3] = style.opacity;
-  out.depth = depth;
-  out.structure = style.structure;
 }
 
 RayFaces ViewFaces::through(double x, double y) const {
@@ -90,8 +89,10 @@ RayFaces ViewFaces::through(double x, double y) const {
   const auto set = [&](int plane, double t, Face& out) {
     const Vec3 index = rays_.index_at(x, y, t);
     const FaceMap& map = faces_.map(plane);
-    faces_.set(map.at(index[map.axis_b()], index[map.axis_c()]), mode_,
-               static_cast<float>(sign_ * index[axis_]), out);
+    map.along(index[map.axis_b()], index[map.axis_c()], 0, 0, 1, [&](std::int64_t, const FaceSample& sample) {
+      const FacePaint paint(*sample.style, mode_, map.has_greys());
+      out = paint.face(sample.grey, static_cast<float>(sign_ * index[axis_]));
+    });
   };
   if (kept.front != ClipInterval::kNoPlane) set(kept.front, kept.from, faces.front);
   if (kept.back != ClipInterval::kNoPlane) set(kept.back, kept.to, faces.back);
@@ -144,10 +145,13 @@ FaceLayer::Extent ViewFaces::row_of_parallel_rays(double y, std::int32_t width, 
     const Vec3 next = rays_.index_at(x + 1, y, of.at_zero + of.per_x * (x + 1));
     const auto step = [&](std::size_t axis) { return next[axis] - here[axis]; };
     Face* const out = (of.enters ? front : back) + begin;
+    std::optional<FacePaint> paint;
     map.along(here[map.axis_b()], here[map.axis_c()], step(map.axis_b()), step(map.axis_c()), end - begin,
               [&](std::int64_t n, const FaceSample& sample) {
                 const double along = here[axis_] + static_cast<double>(n) * step(axis_);
-                faces_.set(sample, mode_, static_cast<float>(sign_ * along), out[n]);
+                if (!paint || paint->style != sample.style)
+                  paint.emplace(*sample.style, mode_, map.has_greys());
+                out[n] = paint->face(sample.grey, static_cast<float>(sign_ * along));
                 const auto column = static_cast<std::int32_t>(begin + n);
                 shown = {std::min(shown.first, column), std::max(shown.last, column + 1)};
               });

@@ -24,12 +24,9 @@ class CutFaces {
 
   [[nodiscard]] const CutPlanes& planes() const { return planes_; }
   [[nodiscard]] const FaceMap& map(int plane) const { return *maps_[static_cast<std::size_t>(plane)]; }
-  /// The face of a sample of a map. `out` is none before.
-  void set(const FaceSample& sample, CapMode mode, float depth, Face& out) const;
 
  private:
   CutPlanes planes_;
-  bool has_greys_ = false;
   std::vector<std::shared_ptr<const FaceMap>> maps_;  // of the planes
 };
 

@@ -80,11 +80,6 @@ struct FaceLayer {
       std::ranges::copy(faces.around(between), pixel);
     }
   }
-  void clear() {
-    of_front = {};
-    of_back = {};
-    shown.clear();
-  }
 };
 
 }  // namespace splatlas

@@ -207,31 +207,57 @@ void FaceMap::add_solids(const VoxelPlane& plane, const FaceScene& scene, Thread
       face_classes(scene.atlas.classes(), scene.selection, scene.plan, outlined));
 }
 
-const FaceStyle* FaceMap::largest_face(const Corners& corners, const Texel& nearest) const {
-  struct Share {
-    const FaceStyle* face;
-    float weight;
-  };
-  std::array<Share, 8> shares{};
-  std::size_t count = 0;
-  const auto share_of = [&](const FaceStyle* face) -> Share& {
-    const auto is_same = [face](const Share& share) {
-      return share.face != nullptr && share.face->structure == face->structure;
-    };
-    Share* const end = shares.data() + count;
-    Share* const found = std::find_if(shares.data(), end, is_same);
-    if (found == end) shares[count++] = {face, 0};
-    return *found;
-  };
-  Share* largest = &share_of(own_face(nearest));
+FaceMap::Cell FaceMap::cell_at(std::int64_t a, std::int64_t b, std::int64_t c) const {
+  Cell cell;
+  cell.a = a, cell.b = b, cell.c = c;
+  const std::int64_t layers = (std::int64_t{1} << layer_bits_) - 1;
   for (std::size_t n = 0; n < 8; ++n) {
-    const Texel& texel = *corners.texels[n];
-    if (const FaceStyle* face = own_face(texel)) share_of(face).weight += corners.weights[n] * texel.share;
+    const std::int64_t column = (c + (n >= 4 ? 1 : 0)) * columns_ + b + (n % 4 >= 2 ? 1 : 0);
+    const Texel* const texel = texels() + (column << layer_bits_) + ((a + (n % 2 == 1 ? 1 : 0)) & layers);
+    cell.texels[n] = texel;
+    if ((texel->id & kOwnFace) != 0) cell.faces[n] = &(*apart_)[texel->class_id()];
   }
-  for (std::size_t n = 1; n < count; ++n) {
-    if (shares[n].weight > largest->weight + kTie) largest = &shares[n];
+  const auto all = [&](const auto& has) { return std::ranges::all_of(cell.texels, has); };
+  cell.is_empty = all([](const Texel* texel) { return !texel->has_face(); });
+  cell.is_whole = all([](const Texel* texel) { return texel->share >= 1; });
+  const auto structure = [](const FaceStyle* face) { return face ? face->structure : kNoStructure; };
+  cell.is_plain = all([](const Texel* texel) { return texel->share > 0.5 + 2 * kTie; }) &&
+                  std::ranges::count(cell.faces, structure(cell.faces[0]), structure) == 8;
+  if (!solids_.empty()) cell.outlines = outlines_.cell(b + first_b_, c + first_c_);
+  return cell;
+}
+
+FaceSample FaceMap::between(const Cell& cell, double in_a, double in_b, double in_c) const {
+  const auto a1 = static_cast<float>(in_a), b1 = static_cast<float>(in_b), c1 = static_cast<float>(in_c);
+  const float of_column[4] = {(1 - b1) * (1 - c1), b1 * (1 - c1), (1 - b1) * c1, b1 * c1};
+  std::array<float, 8> shares{};
+  float grey = 0, sum = 0, own = 0;
+  for (std::size_t n = 0; n < 8; ++n) {
+    const float weight = of_column[n / 2] * (n % 2 == 0 ? 1 - a1 : a1);
+    if (!cell.texels[n]->has_face()) continue;
+    sum += weight;
+    grey += weight * cell.texels[n]->grey;
+    if (cell.faces[n] != nullptr) own += shares[n] = weight * cell.texels[n]->share;
   }
-  return largest->face;
+  if (sum > 0) grey /= sum;
+  const FaceStyle* largest = cell.faces[nearest(in_a, in_b, in_c)];
+  if (own < 0.5 - kTie || (own <= 0.5 + kTie && largest == nullptr)) return {nullptr, grey};
+  const auto share_of = [&](const FaceStyle* face) {
+    float share = 0;
+    for (std::size_t n = 0; n < 8; ++n) {
+      if (shares[n] > 0 && cell.faces[n]->structure == face->structure) share += shares[n];
+    }
+    return share;
+  };
+  float largest_share = largest == nullptr ? 0 : share_of(largest);
+  for (const FaceStyle* face : cell.faces) {
+    if (face == nullptr || face == largest) continue;
+    if (const float share = share_of(face); share > largest_share + kTie) {
+      largest = face;
+      largest_share = share;
+    }
+  }
+  return {largest, grey};
 }
 
 Result<FaceMap> FaceMap::build(const VoxelPlane& plane, const FaceScene& scene, ThreadPool& pool) {

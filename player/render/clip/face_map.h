@@ -95,18 +95,14 @@ class FaceMap {
   [[nodiscard]] static Result<FaceMap> build(const VoxelPlane& plane, const FaceScene& scene,
                                              ThreadPool& pool);
 
-  /// Axes across the columns.
   /// False if all voxels have grey value 1: without grey values, or with an empty display window.
   [[nodiscard]] bool has_greys() const { return has_greys_; }
+  /// Axes across the columns.
   [[nodiscard]] std::size_t axis_b() const { return b_; }
   [[nodiscard]] std::size_t axis_c() const { return c_; }
-  /// The point of the plane with these continuous voxel indices along axis_b() and axis_c(). A point halfway
-  /// between two voxel centres belongs to the voxel on the kept side.
-  [[nodiscard]] FaceSample at(double b, double c) const {
-    return contains(b, c) ? at_inside(b, c) : FaceSample{};
-  }
-  /// The same for points (b, c), (b + per_step_b, c + per_step_c), ...: calls take(n, sample) for those with
-  /// a face. Points outside the map cost nothing.
+  /// Calls take(n, sample) for those of the points (b, c), (b + per_step_b, c + per_step_c), ... that have a
+  /// face, by continuous voxel indices along axis_b() and axis_c(). A point halfway between two voxel centres
+  /// belongs to the voxel on the kept side. Points outside the map cost nothing.
   template <typename Take>
   void along(double b, double c, double per_step_b, double per_step_c, std::int64_t count,
              const Take& take) const {
@@ -123,11 +119,12 @@ class FaceMap {
     clip(b, per_step_b, low_b(), high_b());
     clip(c, per_step_c, low_c(), high_c());
     if (!(first <= last)) return;
+    Cell cell;
     for (auto n = static_cast<std::int64_t>(first); n <= static_cast<std::int64_t>(last); ++n) {
       const double at_b = b + static_cast<double>(n) * per_step_b,
                    at_c = c + static_cast<double>(n) * per_step_c;
       if (!contains(at_b, at_c)) continue;
-      if (const FaceSample sample = at_inside(at_b, at_c); sample.style != nullptr) take(n, sample);
+      if (const FaceSample sample = at_inside(at_b, at_c, cell); sample.style != nullptr) take(n, sample);
     }
   }
 
@@ -153,18 +150,25 @@ class FaceMap {
   [[nodiscard]] bool contains(double b, double c) const {
     return b >= low_b() && b < high_b() && c >= low_c() && c < high_c();
   }
-  [[nodiscard]] FaceSample at_inside(double b, double c) const;
-  /// The voxels around a point, with their trilinear weights.
-  struct Corners {
-    std::array<const Texel*, 8> texels;
-    std::array<float, 8> weights;
+  /// The eight voxels around a point: low and high along a, of the columns by b, then c.
+  struct Cell {
+    std::int64_t a = -1, b = -1, c = -1;  // of the first voxel; b and c from the first column
+    std::array<const Texel*, 8> texels{};
+    std::array<const FaceStyle*, 8> faces{};  // apart from solids with outlines
+    bool is_empty = true;                     // no voxel has a face
+    bool is_plain = false;                    // `faces` is the same for all points
+    bool is_whole = false;                    // all voxels have whole faces
+    SolidOutlines::Cell outlines;
   };
-  /// The face of a voxel, apart from solids with outlines; null if it has none.
-  [[nodiscard]] const FaceStyle* own_face(const Texel& texel) const {
-    return (texel.id & kOwnFace) != 0 ? &(*apart_)[texel.class_id()] : nullptr;
+  [[nodiscard]] Cell cell_at(std::int64_t a, std::int64_t b, std::int64_t c) const;
+  /// `cell`: of the last point, or an empty one; becomes that of this point.
+  [[nodiscard]] FaceSample at_inside(double b, double c, Cell& cell) const;
+  /// The face and grey value at a place of a cell, from 0 to 1 along a, b and c, without outlines. Of faces
+  /// with equal shares, that of the nearest voxel.
+  [[nodiscard]] FaceSample between(const Cell& cell, double in_a, double in_b, double in_c) const;
+  [[nodiscard]] std::size_t nearest(double in_a, double in_b, double in_c) const {
+    return (in_a + to_kept_ >= 0.5 ? 1u : 0u) + (in_b >= 0.5 ? 2u : 0u) + (in_c >= 0.5 ? 4u : 0u);
   }
-  /// The face with the largest share of the voxels around a point. Of equal shares, that of the nearest one.
-  [[nodiscard]] const FaceStyle* largest_face(const Corners& corners, const Texel& nearest) const;
   /// Decides between two voxels at the same distance, and between equal shares.
   static constexpr double kTie = 1e-6;
   [[nodiscard]] double height(double b, double c) const { return at_origin_ + per_b_ * b + per_c_ * c; }
@@ -189,56 +193,38 @@ class FaceMap {
   SolidOutlines outlines_;
 };
 
-inline FaceSample FaceMap::at_inside(double b, double c) const {
-  // Find the voxels around the point. Conversion rounds positive numbers down; std::floor() is a call
+inline FaceSample FaceMap::at_inside(double b, double c, Cell& cell) const {
+  // Find the cell. Conversion rounds positive numbers down; std::floor() is a call
   constexpr double kPositive = 1 << 26;  // beyond any grid, and a multiple of the number of layers
   const double a = height(b, c) + kPositive;
   const double from_b = b - static_cast<double>(first_b_), from_c = c - static_cast<double>(first_c_);
   const auto a0 = static_cast<std::int64_t>(a), b0 = static_cast<std::int64_t>(from_b),
              c0 = static_cast<std::int64_t>(from_c);
+  if (a0 != cell.a || b0 != cell.b || c0 != cell.c) cell = cell_at(a0, b0, c0);
+  if (cell.is_empty) return {};
   const double in_a = a - static_cast<double>(a0), in_b = from_b - static_cast<double>(b0),
                in_c = from_c - static_cast<double>(c0);
-  const std::int64_t layers = (std::int64_t{1} << layer_bits_) - 1;
-  const std::int64_t low = a0 & layers, high = (a0 + 1) & layers;
-  const Texel* columns[4];
-  for (std::int64_t n = 0; n < 4; ++n)
-    columns[n] = texels() + (((c0 + (n >> 1)) * columns_ + b0 + (n & 1)) << layer_bits_);
-
-  // Interpolate between those with faces
-  const auto a1 = static_cast<float>(in_a), b1 = static_cast<float>(in_b), c1 = static_cast<float>(in_c);
-  const float of_column[4] = {(1 - b1) * (1 - c1), b1 * (1 - c1), (1 - b1) * c1, b1 * c1};
-  Corners corners;
-  float sum = 0, weights = 0, own = 0;
-  int whole = 0;
-  const std::uint32_t id = columns[0][low].id;
-  bool is_mixed = false;
-  for (std::size_t n = 0; n < 8; ++n) {
-    const Texel& texel = columns[n / 2][n % 2 == 0 ? low : high];
-    corners.texels[n] = &texel;
-    const float weight = corners.weights[n] = of_column[n / 2] * (n % 2 == 0 ? 1 - a1 : a1);
-    is_mixed |= texel.id != id;
-    if (!texel.has_face()) continue;
-    weights += weight;
-    sum += weight * texel.grey;
-    if ((texel.id & kOwnFace) != 0) own += weight * texel.share;
-    whole += texel.share >= 1 ? 1 : 0;
-  }
-  if (!(weights > 0)) return {};
 
   // Find the face that hides all others
-  const std::int64_t nearest_a = in_a + to_kept_ >= 0.5 ? high : low;
-  const Texel nearest = columns[(in_b >= 0.5 ? 1 : 0) + (in_c >= 0.5 ? 2 : 0)][nearest_a];
-  const FaceStyle* style = own_face(nearest);
-  if (own < 0.5 - kTie) style = nullptr;
-  if (is_mixed && (own > 0.5 + kTie || style != nullptr)) style = largest_face(corners, nearest);
-  if (!solids_.empty()) {
-    if (const std::uint32_t solid = outlines_.at(b, c); solid != SolidOutlines::kNone) {
-      if (style == nullptr || solids_[solid].hides(*style)) style = &solids_[solid];
-    }
-    if (style == nullptr && whole == 8) style = &(*classes_)[nearest.class_id()];
+  FaceSample sample;
+  if (cell.is_plain) {
+    const auto mix = [](float from, float to, double at) {
+      return from + static_cast<float>(at) * (to - from);
+    };
+    const auto grey = [&](std::size_t column) {
+      return mix(cell.texels[column]->grey, cell.texels[column + 1]->grey, in_a);
+    };
+    sample = {cell.faces[0], mix(mix(grey(0), grey(2), in_b), mix(grey(4), grey(6), in_b), in_c)};
+  } else {
+    sample = between(cell, in_a, in_b, in_c);
   }
-  if (style == nullptr) return {};
-  return {style, sum / weights};
+  if (solids_.empty()) return sample;
+  if (const std::uint32_t solid = outlines_.at(cell.outlines, b, c); solid != SolidOutlines::kNone) {
+    if (sample.style == nullptr || solids_[solid].hides(*sample.style)) sample.style = &solids_[solid];
+  }
+  if (sample.style == nullptr && cell.is_whole)
+    sample.style = &(*classes_)[cell.texels[nearest(in_a, in_b, in_c)]->class_id()];
+  return sample;
 }
 
 }  // namespace splatlas

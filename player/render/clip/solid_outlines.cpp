@@ -237,20 +237,23 @@ SolidOutlines::SolidOutlines(const VoxelPlane& plane, std::size_t b, std::size_t
   }
 }
 
-std::uint32_t SolidOutlines::at(double b, double c) const {
-  const auto row_number = static_cast<std::int32_t>(std::floor(c));
-  const auto row = std::ranges::lower_bound(rows_, row_number, {}, &Row::number);
-  if (row == rows_.end() || row->number != row_number) return kNone;
-  const auto cell = static_cast<std::int32_t>(std::floor(b));
+SolidOutlines::Cell SolidOutlines::cell(std::int64_t b, std::int64_t c) const {
+  Cell cell{static_cast<std::int32_t>(b), static_cast<std::int32_t>(c)};
+  const auto row = std::ranges::lower_bound(rows_, cell.row, {}, &Row::number);
+  if (row == rows_.end() || row->number != cell.row) return cell;
   const auto intervals = std::span(intervals_).subspan(row->first, row->intervals);
-  auto interval = std::ranges::upper_bound(intervals, cell, {}, &Interval::first);
-  if (interval == intervals.begin()) return kNone;
-  --interval;
-  std::uint32_t last = interval->base;
-  for (const Piece& piece : std::span(pieces_).subspan(interval->first_piece, interval->pieces)) {
+  const auto next = std::ranges::upper_bound(intervals, cell.cell, {}, &Interval::first);
+  if (next == intervals.begin()) return cell;
+  const Interval& interval = *std::prev(next);
+  return {cell.cell, cell.row, interval.base, interval.first_piece, interval.pieces};
+}
+
+std::uint32_t SolidOutlines::at(const Cell& cell, double b, double c) const {
+  std::uint32_t last = cell.base;
+  for (const Piece& piece : std::span(pieces_).subspan(cell.first_piece, cell.pieces)) {
     if (last != kNone && piece.solid < last) continue;
     std::int32_t winding = piece.winding;
-    const Point anchor{cell + kAnchor[0], row_number + kAnchor[1]};
+    const Point anchor{cell.cell + kAnchor[0], cell.row + kAnchor[1]};
     for (const std::uint32_t n : std::span(cell_segments_).subspan(piece.first, piece.segments))
       winding += winding_across(anchor, {b, c}, segments_[n].from, segments_[n].to);
     if (winding != 0) last = piece.solid;

@@ -29,8 +29,16 @@ class SolidOutlines {
 
   /// False if a surface crosses the plane in open lines.
   [[nodiscard]] bool is_closed(std::uint32_t solid) const { return closed_[solid]; }
-  /// The last solid that encloses a point; kNone if there is none. O(log segments) away from outlines.
-  [[nodiscard]] std::uint32_t at(double b, double c) const;
+  /// A unit square of the plane.
+  struct Cell {
+    std::int32_t cell = 0, row = 0;  // of its first corner, along b and c
+    std::uint32_t base = kNone;      // last solid that encloses all of it, without those of the pieces
+    std::uint32_t first_piece = 0, pieces = 0;
+  };
+  /// The square with these numbers along `b` and `c`. O(log segments).
+  [[nodiscard]] Cell cell(std::int64_t b, std::int64_t c) const;
+  /// The last solid that encloses a point of a square; kNone if there is none. O(1) away from outlines.
+  [[nodiscard]] std::uint32_t at(const Cell& cell, double b, double c) const;
 
  private:
   /// Crossing of a triangle by the plane. The solid is on the left.

@@ -49,7 +49,7 @@ void add_cuts(const ShownFrame& frame, const Grid& grid, FaceLayer& layer, Surfa
               RasterScene& scene, ThreadPool& pool) {
   if (!frame.cuts.empty()) scene.cuts = &cuts.surfaces.emplace(frame.cuts, frame.view, grid, kCutMargin);
   if (frame.faces == nullptr) {
-    layer.clear();
+    layer = {};
     return;
   }
   cuts.of_faces.emplace(frame.cuts, frame.view, grid);
@@ -170,6 +170,12 @@ Result<void> FrameRenderer::run(std::size_t volume_loops, TaskControl& task, Pic
   return {};
 }
 
+/// Converts a depth into voxels of the volume's level.
+auto FrameRenderer::in_volume() const {
+  const double scale = std::ldexp(1.0, -level()), offset = raster_->depth_sign * (scale - 1) / 2;
+  return [=](float depth) { return static_cast<float>(scale * static_cast<double>(depth) + offset); };
+}
+
 /// Paints the surfaces into the picture, if nothing needs their fragments.
 Result<void> FrameRenderer::begin_surfaces(Picture& picture) {
   Stopwatch watch;
@@ -184,9 +190,9 @@ Result<void> FrameRenderer::begin_surfaces(Picture& picture) {
         stats_.triangles,
         buffers_.rasterizer.paint(*raster_, shown().raster, picture,
                                   ends_at_surfaces() ? &buffers_.surface_depths : nullptr, pool_));
-    if (ends_at_surfaces() && level() > 0) {
-      for (float& depth : buffers_.surface_depths) depth = in_volume(depth);
-    }
+    if (ends_at_surfaces() && level() > 0)
+      std::transform(buffers_.surface_depths.begin(), buffers_.surface_depths.end(),
+                     buffers_.surface_depths.begin(), in_volume());
   }
   stats_.rasterize = watch.lap();
   return {};
@@ -209,7 +215,8 @@ Result<void> FrameRenderer::draw_region(const PixelBox& region, Picture& picture
       const ViewDepth view_depth(scene_.view, scene_.grid);
       add_surface_depths(buffers_.fragments, shown(), view_depth, buffers_.depths, pool_);
     }
-    for (Fragment& fragment : buffers_.fragments.fragments) fragment.depth = in_volume(fragment.depth);
+    const auto depth_in_volume = in_volume();
+    for (Fragment& fragment : buffers_.fragments.fragments) fragment.depth = depth_in_volume(fragment.depth);
   }
   stats_.rasterize += watch.lap();
   return resolve(region, picture);
@@ -233,13 +240,6 @@ bool FrameRenderer::ends_at_surfaces() const {
 
 bool FrameRenderer::all_opaque() const {
   return std::ranges::all_of(scene_.surfaces, [](const SurfaceDraw& surface) { return surface.is_opaque(); });
-}
-
-/// A depth in voxels of the volume's level.
-float FrameRenderer::in_volume(float depth) const {
-  if (level() == 0) return depth;
-  const double scale = std::ldexp(1.0, -level());
-  return static_cast<float>(scale * static_cast<double>(depth) + raster_->depth_sign * (scale - 1) / 2);
 }
 
 bool FrameRenderer::needs_depths() const {

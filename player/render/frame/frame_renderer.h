@@ -164,7 +164,7 @@ class FrameRenderer {
  private:
   [[nodiscard]] Result<void> begin_surfaces(Picture& picture);
   [[nodiscard]] Result<void> draw_region(const PixelBox& region, Picture& picture);
-  [[nodiscard]] float in_volume(float depth) const;
+  [[nodiscard]] auto in_volume() const;
   void finish_depths(Picture& picture);
 
   std::optional<CutRays> cuts_;

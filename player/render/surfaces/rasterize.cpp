@@ -98,13 +98,14 @@ Result<void> Rasterizer::draw_tiles(const RasterScene& scene, const RasterOption
     pattern_ = sample_pattern(options.edge_samples);
     find_edge_pixels(seen_, {scene.region.width(), scene.region.height()}, scene.pixel_voxels, is_edge_,
                      pool);
+    if (paint == nullptr)
+      count.add(pattern_.size() * static_cast<std::size_t>(std::ranges::count(is_edge_, 1)));
     pool.for_each(edges_.size(), [&](std::size_t n) {
       edges_[n].fragments.clear();
-      if (has_faces_alone(n)) return count.add(pattern_.size() * edge_pixels(scene.region, bins_.box(n)));
+      if (has_faces_alone(n)) return;
       TileRasterizer& worker = worker_of_thread();
       worker.begin_edges(scene, bins_.box(n), is_edge_, pattern_,
                          {options.termination_threshold, paint == nullptr});
-      count.add(paint != nullptr ? 0 : worker.slots());
       draw_and_finish(n, worker, paint, edges_[n], count);
     });
   }
@@ -119,26 +120,15 @@ void Rasterizer::see_faces(const RasterScene& scene, const PixelBox& tile, float
   check_task();
   if (seen_.empty()) return;
   for (std::int32_t y = tile.y_first; y <= tile.y_last; ++y) {
-    SurfacesSeen* seen = &seen_[scene.region.place(tile.x_first, y)];
-    auto pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(scene.size.width) +
-                 static_cast<std::size_t>(tile.x_first);
-    for (std::int32_t x = tile.x_first; x <= tile.x_last; ++x, ++seen, ++pixel) {
-      *seen = {};
+    for (std::int32_t x = tile.x_first; x <= tile.x_last; ++x) {
+      SurfacesSeen& seen = seen_[scene.region.place(x, y)] = {};
       if (scene.faces == nullptr) continue;
-      const RayFaces faces = scene.faces->at(pixel);
-      seen->add(faces.front, 1);
+      const RayFaces faces = scene.faces->at(PixelBox::of(scene.size).place(x, y));
+      seen.add(faces.front, 1);
       const float transmittance = 1 - faces.front.rgba[3];
-      if (transmittance > termination_threshold) seen->add(faces.back, transmittance);
+      if (transmittance > termination_threshold) seen.add(faces.back, transmittance);
     }
   }
-}
-
-std::size_t Rasterizer::edge_pixels(const PixelBox& region, const PixelBox& tile) const {
-  const auto width = static_cast<std::size_t>(tile.width());
-  std::ptrdiff_t pixels = 0;
-  for (std::int32_t y = tile.y_first; y <= tile.y_last; ++y)
-    pixels += std::ranges::count(std::span(is_edge_).subspan(region.place(tile.x_first, y), width), 1);
-  return static_cast<std::size_t>(pixels);
 }
 
 void Rasterizer::draw_and_finish(std::size_t tile, TileRasterizer& worker, const PaintTile* paint,

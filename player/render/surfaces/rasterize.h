@@ -58,7 +58,6 @@ class Rasterizer {
                                         const PaintTile* paint, ThreadPool& pool);
   /// Sets seen_ to the visible faces of a tile without surfaces.
   void see_faces(const RasterScene& scene, const PixelBox& tile, float termination_threshold);
-  [[nodiscard]] std::size_t edge_pixels(const PixelBox& region, const PixelBox& tile) const;
   /// Draws a tile that `worker` has begun, and paints it or keeps its fragments in `out`.
   void draw_and_finish(std::size_t tile, TileRasterizer& worker, const PaintTile* paint, TileFragments& out,
                        Count& count) const;

@@ -81,7 +81,6 @@ class TileRasterizer {
 
   /// Number of crossings and fragments that it holds.
   [[nodiscard]] std::size_t held() const { return layers_.held(); }
-  [[nodiscard]] std::size_t slots() const { return hiding_.size(); }
 
  private:
   static constexpr std::uint32_t kBlocks = TileBins::kTileSide / TileBins::kBlockSide;  // along each axis
