@@ -69,8 +69,7 @@ double distance(const SeenColor& a, const SeenColor& b) {
   return least;
 }
 
-/// Distance at which colours are clearly apart: as any two of the palette, five times the just noticeable
-/// one.
+/// Distance of colours clearly apart: as any two of the palette, five times the just noticeable one.
 constexpr double kApart = 0.112;
 
 using Shade = std::array<int, 4>;  ///< change, and steps of lightness, chroma and hue

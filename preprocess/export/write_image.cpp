@@ -198,8 +198,7 @@ Vec3 scaled_direction(const Grid& grid, std::size_t axis, double scale) {
   return plausible(Vec3{scale * direction[axis], scale * direction[3 + axis], scale * direction[6 + axis]});
 }
 
-/// Everything ahead of the voxels of an NRRD file with encoding gzip. Numbers are the shortest text of the
-/// exact doubles.
+/// All ahead of the voxels of an NRRD file with encoding gzip. Numbers: shortest text of the exact doubles.
 std::string nrrd_header(const Grid& grid, VoxelType type) {
   const auto direction = [&](std::size_t axis) {
     return fmt::format("({})", fmt::join(scaled_direction(grid, axis, grid.spacing_mm[axis]), ","));

@@ -69,8 +69,7 @@ void append(T value, std::vector<std::byte>& bytes) {
   bytes.insert(bytes.end(), raw.begin(), raw.end());
 }
 
-/// Binary PLY; false if bytes are lost. VTK's writer appends ".ply" to other file names, and its output to
-/// memory is empty.
+/// Binary PLY; false if bytes are lost. VTK's writer appends ".ply" to names; to memory it writes nothing.
 Result<bool> write_ply(vtkPolyData& polygons, OutputFile& file) {
   const std::string header = fmt::format(
       "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\n"

@@ -64,8 +64,7 @@ class MembershipVolume {
 
   /// Adds `structure` to the sets of all voxels with non-zero `mask`. Returns their number. Cost: one pass.
   std::uint64_t add(StructureIndex structure, std::span<const std::uint8_t> mask);
-  /// Gives every voxel the sorted set combined(its set, its key). Cost: one pass, and a call for each pair of
-  /// a set and a key.
+  /// Gives every voxel the sorted set combined(its set, its key). Cost: one pass, a call per set and key.
   template <typename Key, typename Combined>
   void combine(std::span<const Key> keys, const Combined& combined) {
     std::map<std::pair<SetId, Key>, SetId> known;

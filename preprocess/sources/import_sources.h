@@ -78,12 +78,10 @@ struct SourceModel {
 
 /// The box of a mesh's corners in LPS mm.
 [[nodiscard]] MmBox box_of(const TriangleMesh& mesh);
-/// The box of the labelled voxels in LPS mm, from edge to edge; of the grid where there are none; nothing
-/// without a grid.
+/// The box of the labelled voxels in LPS mm, from edge to edge; else that of the grid; else none.
 [[nodiscard]] std::optional<MmBox> labelled_box(const SourceModel& model);
 
-/// Warns of a surface smaller than a voxel, or 100 times smaller or larger than the labels, with a scale to
-/// try.
+/// Warns of a surface smaller than a voxel, or 100 times smaller or larger than the labels; names a scale.
 void note_size(const SourceModel& model, const MeshSource& source, const TriangleMesh& mesh,
                const MmBox& labelled, Notes& notes);
 

@@ -156,8 +156,7 @@ class NodePlacer {
 
 /// Places structures by the nodes with their labels, or else their names, below `group`. Nodes without a
 /// structure are groups if a structure is below them; otherwise they are left out and counted as a note, as
-/// are parents that do not exist and edges that close a circle. kFailed if no node fits. Linear in nodes and
-/// parents.
+/// are missing parents and edges that close a circle. kFailed if no node fits. Linear in nodes and parents.
 Result<void> place_nodes(std::span<const TreeLine> lines, const std::string& file,
                          const SourceLookup& sources, StructureIndex group, GraphParts& parts, Notes& notes) {
   NodePlacer placer(lines, sources, notes);

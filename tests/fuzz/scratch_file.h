@@ -8,8 +8,7 @@
 
 namespace splatlas {
 
-/// Writes `bytes` to the file `name` in a folder of this process, over an earlier one. A regular exit removes
-/// the folder.
+/// Writes `bytes` to the file `name` in a folder of this process, which a regular exit removes.
 [[nodiscard]] std::filesystem::path write_input_file(const std::string& name,
                                                      std::span<const std::byte> bytes);
 

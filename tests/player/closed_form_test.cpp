@@ -133,8 +133,7 @@ void expect_flat_plate(const RenderOptions& options, double mm_per_pixel, double
   }
 }
 
-/// Slabs are exact between faces parallel to the slices: the plate is flat for every angle, zoom and pixel
-/// position.
+/// Slabs are exact between faces parallel to the slices: the plate is flat for every angle, zoom, pixel.
 TEST(ClosedForm, PlatesAreFlatAtAnyAngle) {
   for (const double mm_per_pixel : {0.11, 0.5, 1.0, 1.37}) {
     for (const Quality quality : {Quality::kDraft, Quality::kNormal, Quality::kHigh}) {

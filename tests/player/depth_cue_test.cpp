@@ -133,8 +133,7 @@ TEST(DepthCueOfFrames, VolumesLieAtTransmittanceOneHalf) {
     for (int y = 0; y < size.height; ++y) {
       for (int x = 0; x < size.width; ++x) {
         const auto n = static_cast<std::size_t>(y * size.width + x);
-        // Slabs begin half a voxel before the first slice; the trilinear field rises over a voxel around that
-        // place.
+        // Slabs begin half a voxel before the first slice; the trilinear field rises over a voxel around it.
         const double front = azimuth == -160.0 ? 23.5 : -0.5;
         const double expected = view_depth.mm(x + 0.5, y + 0.5, 1, front) + half_mm;
         EXPECT_NEAR(of_rays.mm[n], expected, 0.15) << azimuth << ": " << x << ", " << y;

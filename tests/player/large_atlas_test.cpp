@@ -1,5 +1,4 @@
-// Atlas of more than 2^32 voxels and 4 GiB, nearly all of it a hole: 32-bit counts of voxels or bytes fail
-// here.
+// Atlas of more than 2^32 voxels and 4 GiB, nearly all a hole: 32-bit counts of voxels or bytes fail.
 
 #include <algorithm>
 #include <fstream>

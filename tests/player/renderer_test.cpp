@@ -177,7 +177,7 @@ TEST(Renderer, DrawsVolumesBeyondItsMemoryInStrips) {
 /// Without memory for the ray volume, the depth cue is that of blocks.
 TEST(Renderer, RefusesIdsAndDepthsBeyondItsMemory) {
   const AtlasContent content = phantom_content();
-  Renderer renderer(open_in_memory(content), {2, std::uint64_t{5} << 17});
+  Renderer renderer(open_in_memory(content), {2, std::uint64_t{5} << 16});
   ASSERT_TRUE(renderer.select(selection_of("Spheres", content.graph)));
   RenderOptions options{.size = {90, 70}};
   const Frame plain = frame_or_throw(renderer, {}, options);

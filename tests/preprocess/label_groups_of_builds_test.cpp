@@ -33,8 +33,7 @@ class LabelGroups : public BuildAtlas {
   BuildOptions scene = options();
 };
 
-/// The map on the right is a part of the lattice of the other. Its structure 2 lies in structure 1 of the
-/// other.
+/// The map on the right is a part of the lattice of the other. Its structure 2 lies in the other's 1.
 TEST_F(LabelGroups, ShareALatticeAndOverlap) {
   const auto left = [](auto i, auto j, auto k) { return i / 2 == 2 && j > 0 && j < 4 && k < 4 ? 1 : i > 6; };
   const auto right = [](auto i, auto j, auto k) { return j > 2 || k > 3 ? 0 : i < 2 ? 1 : 2 * (i == 3); };
@@ -132,8 +131,7 @@ std::uint64_t voxels_of(const AtlasContent& content, const std::string& name) {
   return voxels;
 }
 
-/// Label 1: a block of 200 voxels, and one voxel beside it. The rest is the mask of a segment: 8 voxels
-/// apart.
+/// Label 1: a block of 200 voxels, and one beside it. The rest is the mask of a segment: 8 voxels apart.
 class FragmentsOfBuilds : public BuildAtlas {
  protected:
   BuildOptions scene() const {

@@ -74,8 +74,7 @@ inline std::string png_chunk(const std::string& type, const std::string& data) {
          big_endian(static_cast<std::uint32_t>(sum));
 }
 
-/// A NIfTI-1 header of RawImage with an identity sform in RAS, spacing 1 x 2 x 3 mm, and four empty extension
-/// bytes.
+/// A NIfTI-1 header of RawImage with an identity sform in RAS, spacing 1 x 2 x 3 mm; no extension.
 inline std::string nifti_header() {
   std::string h(352, '\0');
   h = with_number<std::int32_t>(h, 0, 348);

@@ -8,8 +8,7 @@
 
 namespace splatlas::reference {
 
-/// Over four channels and the union of both pictures (alpha above zero), in linear RGBA before rounding to 8
-/// bits.
+/// Over four channels and the union of both pictures (alpha above zero), in linear RGBA before rounding.
 struct PictureDifference {
   double rms = 0, largest = 0;
   double mean = 0;          ///< signed: first picture minus second

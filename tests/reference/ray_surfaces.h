@@ -21,8 +21,7 @@ class RaySurfaces {
   RaySurfaces(const AtlasContent& content, const Selection& selection, const View& view);
 
   /// All crossings of a part of a ray in exact geometry (Moeller and Trumbore 1997), front to back up
-  /// to the first opaque one. Of coincident surfaces, those that the ray leaves come first. Cost: all
-  /// triangles.
+  /// to the first opaque one. Of coincident ones, those that the ray leaves come first. O(triangles).
   [[nodiscard]] std::vector<Crossing> crossings(const Ray& ray, const RayInterval& kept) const;
 
   /// True if an edge of a triangle is as near to a ray as two others, beside and below it.

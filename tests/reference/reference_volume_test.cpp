@@ -40,8 +40,7 @@ TEST(ReferenceVolume, EqualsBruteForce) {
         10 * scene.content.source_grid.spacing_mm[0];
     const RayRadiance expected = brute_force(field, ray, -reach, reach, 100000);
     for (std::size_t c = 0; c < 3; ++c) {
-      // The brute force errs by the square of its steps of 1e-4 to 1e-3 voxels times the curvature of the
-      // field.
+      // The brute force errs by the square of its steps, 1e-4 to 1e-3 voxels, times the field's curvature.
       EXPECT_NEAR(exact.color[c], expected.color[c], 2e-8) << "scene " << number;
     }
     EXPECT_NEAR(exact.transmittance, expected.transmittance, 2e-8) << "scene " << number;

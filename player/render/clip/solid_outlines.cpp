@@ -13,8 +13,7 @@ constexpr double kSlack = 1e-9;
 
 using Point = std::array<double, 2>;
 
-/// Point of each cell whose winding numbers are stored. Outlines often run along halves and integers, and
-/// must not contain it.
+/// Point of each cell with winding numbers. Outlines run along halves and integers, and must not hold it.
 constexpr Point kAnchor{0.41421356237, 0.23606797750};
 
 /// Position of `p` relative to the line from `origin` along `direction`: positive on its left.

@@ -102,8 +102,7 @@ class ClassCache {
 
   /// Makes parts of `classes` available, with runs of `axis`; reads only missing parts, in parallel. Normals
   /// come as light, and with runs of z if they may be refined by grey values (light_voxels()). Classes that
-  /// fail are listed in failed_classes(), and nothing of them is kept; the others become available. Returns
-  /// the first failure.
+  /// fail are listed in failed_classes() and not kept; others become available. Returns the first failure.
   [[nodiscard]] Result<void> require(std::span<const ClassId> classes, Axis axis, ThreadPool& pool,
                                      VoxelParts parts = VoxelParts::kNormals);
   /// Keeps voxels of another grid, as if they had been decoded: runs along an axis of classes that have none
@@ -153,16 +152,14 @@ class ClassCache {
   [[nodiscard]] const VoxelLight* lights() const {
     return reinterpret_cast<const VoxelLight*>(lights_.data());
   }
-  /// The light of a voxel, followed by that of the next ones; null if it has none: without grey values, only
-  /// borders have light.
+  /// The light of a voxel and then of the next ones; null if none: without greys, only borders have light.
   [[nodiscard]] const VoxelLight* light(std::size_t voxel, bool boundary) const {
     return boundary || values() != nullptr ? lights() + voxel : nullptr;
   }
   [[nodiscard]] std::size_t bytes_of_lights() const { return lights_.size(); }
   [[nodiscard]] VoxelLight* lights() { return reinterpret_cast<VoxelLight*>(lights_.data()); }
   [[nodiscard]] LightState& light_state(ClassId c) { return classes_.at(c).light; }
-  /// Before a class is drawn as border of a structure: its normals are missing if other light has taken their
-  /// place.
+  /// Before a class is drawn as border of a structure: its normals are missing if other light replaced them.
   void forget_lost_normals(ClassId c, StructureIndex structure);
 
  private:

@@ -73,8 +73,7 @@ class FitFrame {
   /// The camera whose region the points fill: with margins on both sides of its width, or of its height, and
   /// at least these margins on the other sides. The points are in the middle of the region, and the centre
   /// has their middle depth. All points are in front of the eye; with fields of view above 90 degrees, this
-  /// can take more room than the margins. Clamps the zoom to [kMinZoom, kMaxZoom]. `extents` must not be
-  /// empty.
+  /// can take more room than the margins. Clamps the zoom to [kMinZoom, kMaxZoom]. `extents`: not empty.
   [[nodiscard]] Camera fitted(const FitExtents& extents) const;
   /// In perspective, narrows planes() to the points. While it is true, new extents are needed: those of the
   /// sides that have room in the picture are not in its middle yet.

@@ -140,8 +140,7 @@ class FrameRenderer {
   [[nodiscard]] virtual Result<RasterScene> raster_scene_of_view() const = 0;
   /// Prepares the frame's volume, or renders it into the picture, a ray per pixel. kLimit: too large a sheet.
   [[nodiscard]] virtual Result<void> begin_volume(Picture& picture) = 0;
-  /// Composites the fragments of a region with the segments of the volume between, and finds the ids asked
-  /// for.
+  /// Composites the fragments of a region with the volume between them, and finds the ids asked for.
   [[nodiscard]] virtual Result<void> resolve(const PixelBox& region, Picture& picture) = 0;
   [[nodiscard]] bool needs_depths() const;
   [[nodiscard]] bool paints_surfaces() const;

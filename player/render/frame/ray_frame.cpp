@@ -111,9 +111,10 @@ bool draws_by_rays(const DrawPlan& plan, const View& view, const RenderOptions& 
 
 Result<void> RayStore::require(const View& view, const RenderOptions& options, const Atlas& atlas,
                                const DrawnSelection& drawn, const ClassCache& cache,
-                               std::uint64_t max_memory_bytes, ThreadPool& pool) {
+                               std::uint64_t max_memory_bytes, ThreadPool& pool, bool walked) {
   const SelectedRuns runs(drawn.plan(), atlas.classes(), cache, Axis::kZ);
-  SPLATLAS_RETURN_IF_ERROR(require_voxels(options, atlas, drawn, runs, cache, max_memory_bytes, pool));
+  SPLATLAS_RETURN_IF_ERROR(
+      require_voxels(options, atlas, drawn, runs, cache, max_memory_bytes, pool, walked));
   level_ = may_be_rough(options) && options.classification == Classification::kBefore
                ? pace_.next(voxel_pixels_of(view, atlas.grid()), true).level
                : 0;
@@ -131,8 +132,8 @@ Result<void> RayStore::require(const View& view, const RenderOptions& options, c
 Result<void> RayStore::require_voxels(const RenderOptions& options, const Atlas& atlas,
                                       const DrawnSelection& drawn, const SelectedRuns& runs,
                                       const ClassCache& cache, std::uint64_t max_memory_bytes,
-                                      ThreadPool& pool) {
-  if (!fits(options)) {
+                                      ThreadPool& pool, bool walked) {
+  if (walked ? !fits_walk() : !fits(options)) {
     if (!by_blocks_) clear();  // blocks are small, and serve again if the voxels do not fit
     SPLATLAS_ASSIGN_OR_RETURN(RayVolume built,
                               RayVolume::build({.atlas = atlas,
@@ -143,6 +144,7 @@ Result<void> RayStore::require_voxels(const RenderOptions& options, const Atlas&
                                                 .cache = cache,
                                                 .classification = options.classification,
                                                 .shade = options.hybrid_shading,
+                                                .walked = walked,
                                                 .max_memory_bytes = max_memory_bytes},
                                                pool));
     clear();
@@ -158,7 +160,7 @@ Result<void> RayStore::require_walk(const View& view, const RenderOptions& optio
                                     ThreadPool& pool) {
   RenderOptions unlit = options;
   unlit.hybrid_shading = false;
-  Result<void> built = require(view, unlit, *atlas, drawn, cache, max_memory_bytes, pool);
+  Result<void> built = require(view, unlit, *atlas, drawn, cache, max_memory_bytes, pool, true);
   if (built || built.error().code != ErrorCode::kLimit) return built;
   if (!options.ids && !options.depths && require_blocks(unlit, atlas, drawn, max_memory_bytes, pool))
     return {};

@@ -1,5 +1,4 @@
-// Ray casting of a frame: perspective projection or post-classification; ray volume of a renderer's
-// selection.
+// Ray casting of a frame: perspective projection or post-classification; ray volume of a selection.
 #pragma once
 
 #include <cstdint>
@@ -55,18 +54,17 @@ class RayStore {
     return volume_ && !by_blocks_ && volume_->fits(options.classification, options.hybrid_shading);
   }
   /// Prepares the volume of a frame: builds its voxels, numbered for ids, unless that is done; for a draft in
-  /// a budget chooses its detail and averages the voxels. Errors and cost as for RayVolume::build().
+  /// a budget chooses its detail and averages the voxels. `walked`: as of RayVolumeRequest. Errors and cost
+  /// as for RayVolume::build().
   [[nodiscard]] Result<void> require(const View& view, const RenderOptions& options, const Atlas& atlas,
                                      const DrawnSelection& drawn, const ClassCache& cache,
-                                     std::uint64_t max_memory_bytes, ThreadPool& pool);
+                                     std::uint64_t max_memory_bytes, ThreadPool& pool, bool walked = false);
   /// Reads blocks of voxels instead, pre-classified. False on any error, which reading the voxels will tell.
   [[nodiscard]] bool require_blocks(const RenderOptions& options, const std::shared_ptr<const Atlas>& atlas,
                                     const DrawnSelection& drawn, std::uint64_t max_memory_bytes,
                                     ThreadPool& pool);
   /// True if require_walk() will build no voxels.
-  [[nodiscard]] bool fits_walk() const {
-    return volume_ && !by_blocks_ && volume_->fits(Classification::kBefore, false);
-  }
+  [[nodiscard]] bool fits_walk() const { return volume_ && !by_blocks_ && volume_->fits_walk(); }
   /// Prepares an unlit volume for the ids and depths of a picture by sheets. As require(); if the voxels take
   /// too much memory, blocks stand in for them for a depth cue alone.
   [[nodiscard]] Result<void> require_walk(const View& view, const RenderOptions& options,
@@ -93,7 +91,7 @@ class RayStore {
   [[nodiscard]] Result<void> require_voxels(const RenderOptions& options, const Atlas& atlas,
                                             const DrawnSelection& drawn, const SelectedRuns& runs,
                                             const ClassCache& cache, std::uint64_t max_memory_bytes,
-                                            ThreadPool& pool);
+                                            ThreadPool& pool, bool walked);
 
   std::optional<RayVolume> volume_;  // of voxels or blocks
   bool by_blocks_ = false;

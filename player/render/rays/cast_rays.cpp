@@ -239,7 +239,7 @@ RayShares::RayShares(const RayVolume& volume) : volume_(volume) {
   if (volume.empty()) return;
   numbers_ = volume.numbers();
   cells_ = volume.cell_numbers();
-  if (volume.classification() == Classification::kBefore) extinctions_ = volume.sources()[0].optics;
+  if (volume.classification() == Classification::kBefore) extinctions_ = volume.extinctions();
   const auto& size = volume.grid().size;
   const std::size_t row = static_cast<std::size_t>(size[0]), slice = row * static_cast<std::size_t>(size[1]);
   for (std::size_t n = 0; n < 8; ++n)
@@ -300,7 +300,7 @@ void RayShares::add(std::size_t ray, float rise, float t) {
   float sum = 0;
   for (std::size_t n = 0; n < 8; ++n) {
     if (numbers[corners_[n]] == 0) continue;
-    float weight = extinctions_ == nullptr ? 1 : extinctions_[4 * (first + corners_[n])];
+    float weight = extinctions_ == nullptr ? 1 : extinctions_[volume_.voxel_floats() * (first + corners_[n])];
     for (std::size_t a = 0; a < 3; ++a) weight *= (n >> a & 1) != 0 ? part[a] : 1 - part[a];
     weights[n] = weight;
     sum += weight;

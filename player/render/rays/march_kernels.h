@@ -28,7 +28,8 @@ struct MarchGrid {
 struct MarchSource {
   /// Post-classified: byte grey values of the eight corners of each cell, x fastest.
   const std::uint64_t* cell_corners = nullptr;
-  const float* greys = nullptr;                     ///< post-classified: one value per voxel
+  /// Post-classified: one value per voxel. Without `transfer`: its extinction, 1/mm.
+  const float* greys = nullptr;
   const PreintegratedTransfer* transfer = nullptr;  ///< of post-classified sources
   std::array<float, 3> color{};                     ///< of post-classified sources without `colors`
   const float* colors = nullptr;  ///< per voxel: red, green, blue, 1; all 0 for absent voxels

@@ -250,8 +250,7 @@ class BandClip {
   std::vector<Blocks> visible_;  // of the current voxel rows
 };
 
-/// Rows of a band in voxels: few enough for load balance and, with fragments, for their samples to stay in
-/// cache.
+/// Rows of a band in voxels: few enough for load balance and, with fragments, for their samples in cache.
 constexpr std::int64_t kMaxBandRows = 16, kMaxRowsWithFragments = 8;
 /// Maximum size of a band's accumulation buffer, which should fit the L2 cache.
 constexpr std::int64_t kBandBytes = std::int64_t{1} << 18;

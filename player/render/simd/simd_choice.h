@@ -14,8 +14,7 @@
 namespace splatlas {
 
 /// SPLATLAS_SIMD in the environment, for comparisons: "scalar" forces the scalar reference kernels; "sse4",
-/// "avx2" and "avx512" (or "avx3") the instruction sets of these names, where the machine has them. Others
-/// are ignored.
+/// "avx2" and "avx512" (or "avx3") these instruction sets, where the machine has them; others are ignored.
 inline std::string_view forced_simd() {
   const char* const forced = std::getenv("SPLATLAS_SIMD");
   return forced != nullptr ? forced : "";

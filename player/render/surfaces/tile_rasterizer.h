@@ -75,8 +75,7 @@ class TileRasterizer {
   void draw(const TileCluster& of);
   /// Ends the tile: sorts its fragments by slot and depth.
   void finish(TileFragments& out);
-  /// Ends the tile: writes the mean of the slots of each pixel into the picture. `depths`: as of
-  /// Rasterizer::paint().
+  /// Ends the tile: writes the mean of the slots of a pixel to the picture. `depths`: as Rasterizer::paint().
   void paint(std::vector<float>& rgba, std::vector<float>* depths);
 
   /// Number of crossings and fragments that it holds.

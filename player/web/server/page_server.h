@@ -37,8 +37,7 @@ class Door {
 
   /// http://127.0.0.1:PORT/?token=TOKEN
   [[nodiscard]] std::string address(std::uint16_t port) const;
-  /// The same with a ticket that opens the door once, for the command line of a browser, which all users of
-  /// the machine see.
+  /// The same with a ticket for one use, for the command line of a browser, which all users see.
   [[nodiscard]] std::string address_with_ticket(std::uint16_t port) const;
   /// Random: a host has one set of cookies for all its ports.
   [[nodiscard]] const std::string& cookie_name() const { return cookie_name_; }

@@ -1,5 +1,4 @@
-// Importer of labels (a label map, a segmentation file, or a folder with one mask per structure) and their
-// names.
+// Importer of labels (label map, segmentation file, or folder with a mask per structure) and their names.
 #pragma once
 
 #include <cstdint>

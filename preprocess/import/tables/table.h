@@ -1,5 +1,4 @@
-// Tables of text: rows of fields below a header, the meaning of their columns, and the structures that they
-// describe.
+// Tables of text: rows of fields below a header, the meaning of columns, the structures they describe.
 #pragma once
 
 #include <cstddef>

@@ -21,8 +21,7 @@ std::vector<std::byte> encode(const ClassRuns& runs) {
 }
 
 TEST(RunCodec, WritesTheBytesOfTheFormat) {
-  // Two scanlines, 300 and 301, of an outline: left and right edge. The second is one voxel wider on each
-  // side.
+  // Two scanlines, 300 and 301, of an outline: left and right edge. The second is wider by a voxel each.
   const ClassRuns runs{{300, 10, 2}, {300, 20, 3}, {301, 9, 2}, {301, 21, 3}};
   EXPECT_EQ(encode(runs), bytes_of({
                               4,                    // runs

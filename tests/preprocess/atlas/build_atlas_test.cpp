@@ -39,8 +39,7 @@ TEST_F(BuildAtlas, LabelsAndVolumeComeBackVoxelForVoxel) {
   const std::vector<AxisOrder> orders = all_axis_orders();
   std::size_t next_order = 0;
   for (const std::string ending : {".nrrd", ".mha", ".nii", ".nii.gz"}) {
-    // NIfTI stores geometry in 32-bit floats and directions as quaternions; other formats store doubles as
-    // text.
+    // NIfTI stores geometry in 32-bit floats and directions as quaternions; others store doubles as text.
     const double tolerance = ending.starts_with(".nii") ? 2e-6 : 1e-12;
     for (const VoxelType type : kVoxelTypes) {
       for (const double angle : {0.0, 0.2}) {

@@ -29,8 +29,7 @@ struct Scene {
   }
 };
 
-/// A hollow shell of value 100 from 3 to 10 around value 10, in a background of 0, and a detached speck of
-/// 100.
+/// A hollow shell of 100 from 3 to 10 around value 10, in a background of 0, and a detached speck of 100.
 Scene shell() {
   Scene scene;
   scene.grid.size = {14, 14, 14};
@@ -74,8 +73,7 @@ TEST(SegmentVolume, NarrowGapsAreClosedOnRequest) {
   EXPECT_EQ(scene.count("50:close=1"), 512);
 }
 
-/// Air in a body: two chambers of 27 and 8 voxels, the air around it, and a channel of one voxel between
-/// them.
+/// Air in a body: chambers of 27 and 8 voxels, the air around, and a channel of one voxel between them.
 TEST(SegmentVolume, ChoosesPieces) {
   Scene scene;
   scene.grid.size = {12, 9, 9};

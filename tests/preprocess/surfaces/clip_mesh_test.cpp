@@ -47,8 +47,7 @@ Extent extent_of(const SurfaceMesh& mesh) {
   return extent;
 }
 
-/// True if positions are multiples of 1/1024, and points on the triangles lie in crossed voxels, which are
-/// sorted.
+/// True if positions are multiples of 1/1024, and triangles lie in crossed voxels, which are sorted.
 bool crosses_its_voxels(const ClippedMesh& clipped, const Grid& grid) {
   constexpr int kSteps = 40;
   for (const auto& position : clipped.surface.positions_ijk) {

@@ -1,5 +1,4 @@
-// Pre-integrated transfer functions (Engel et al. 2001) and the radiance of ray segments. Compiled once for
-// every instruction set.
+// Pre-integrated transfer functions (Engel et al. 2001), radiance of ray segments. For every instruction set.
 #if defined(SPLATLAS_PLAYER_MARCH_OPTICS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SPLATLAS_PLAYER_MARCH_OPTICS_INL_H_
 #undef SPLATLAS_PLAYER_MARCH_OPTICS_INL_H_
@@ -22,8 +21,7 @@ namespace splatlas::HWY_NAMESPACE {
 
 constexpr std::size_t kSlabs = MarchGrid::kBrick;  // per batch
 
-/// A transfer function by reference: chooses its look-up at run time, and derived types when they are
-/// compiled.
+/// A transfer function by reference: chooses its look-up at run time; derived types do when compiled.
 class AnyTransfer {
  public:
   HWY_INLINE explicit AnyTransfer(const PreintegratedTransfer& transfer) : transfer_(transfer) {}

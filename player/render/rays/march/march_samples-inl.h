@@ -216,7 +216,9 @@ HWY_INLINE Grey SampleCellCorners(const std::uint64_t* corners, const Places& pl
   return {cells.Value(places), cells.LowWith(), cells.HighWith()};
 }
 
-HWY_INLINE Grey SampleGreys(const float* greys, const MarchGrid& grid, const Places& places) {
+/// `Mix`: (a, b, part of b).
+template <class Mix>
+HWY_INLINE Grey SampleGreys(const float* greys, const MarchGrid& grid, const Places& places, const Mix& mix) {
   const Lanes d;
   const std::ptrdiff_t row = grid.size[0];
   const std::ptrdiff_t slice = row * grid.size[1];
@@ -228,11 +230,11 @@ HWY_INLINE Grey SampleGreys(const float* greys, const MarchGrid& grid, const Pla
     const auto right = GatherIndex(d, greys + offset + 1, cell);
     grey.low = Min(grey.low, Min(left, right));
     grey.high = Max(grey.high, Max(left, right));
-    return Lerp(left, right, places.part[0]);
+    return mix(left, right, places.part[0]);
   };
-  const auto front = Lerp(edge(0), edge(row), places.part[1]);
-  const auto back = Lerp(edge(slice), edge(slice + row), places.part[1]);
-  grey.value = Lerp(front, back, places.part[2]);
+  const auto front = mix(edge(0), edge(row), places.part[1]);
+  const auto back = mix(edge(slice), edge(slice + row), places.part[1]);
+  grey.value = mix(front, back, places.part[2]);
   return grey;
 }
 

@@ -84,9 +84,15 @@ class MultiAppearance {
       if (scene_.tolerance > 0) sampler.Range(state.low, state.high);
       return;
     }
+    const auto mix = [&](Vector a, Vector b, Vector part) HWY_ATTR {  // extinctions as FourSampler
+      if (source.transfer != nullptr) return Lerp(a, b, part);
+      return FusedMulAdd(Lanes(), part, b, Mul(Sub(Set(Lanes(), 1.0f), part), a));
+    };
     const Grey grey = source.cell_corners != nullptr ? SampleCellCorners(source.cell_corners, places)
-                                                     : SampleGreys(source.greys, scene_.grid, places);
-    state.classified = Classify(AnyTransfer(*source.transfer), grey.value);
+                                                     : SampleGreys(source.greys, scene_.grid, places, mix);
+    const auto none = Zero(Lanes());
+    state.optics = {{grey.value, none, none, none}};
+    if (source.transfer != nullptr) state.classified = Classify(AnyTransfer(*source.transfer), grey.value);
     state.low = grey.low;
     state.high = grey.high;
   }
@@ -122,7 +128,7 @@ class MultiAppearance {
       const State& after = ends_[chosen_[c]];
       auto low = Min(before.low, after.low), high = Max(before.high, after.high);
       Widen(source, between, low, high);
-      if (source.optics == nullptr) {
+      if (source.transfer != nullptr) {
         low = VariationUpTo(AnyTransfer(*source.transfer), low);
         high = VariationUpTo(AnyTransfer(*source.transfer), high);
       }
@@ -202,7 +208,7 @@ class MultiAppearance {
       const MarchSource& source = scene_.sources[chosen_[c]];
       State& before = states_[chosen_[c]];
       const State& now = after[chosen_[c]];
-      if (source.optics != nullptr) {
+      if (source.transfer == nullptr) {
         AddOptics(before.optics, now.optics, mixed);
       } else {
         AddGreys(source, before.classified, now.classified, middle, mixed);

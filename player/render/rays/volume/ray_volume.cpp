@@ -10,7 +10,6 @@
 namespace splatlas {
 namespace {
 
-constexpr std::size_t kFour = 4;
 /// Limit of stored grey values. Points of transfer functions lie within 1e5 of 0, so clamping shifts their
 /// crossings by at most 1e-4 of the distance between voxels.
 constexpr double kLargestStored = 1e9;
@@ -53,10 +52,10 @@ class RayVolume::Builder {
   }
 
  private:
-  static MarchSource view_of_source(const Source& source) {
+  [[nodiscard]] MarchSource view_of_source(const Source& source) const {
     MarchSource view;
     const std::byte* values = source.values.data();
-    if (!source.transfer) {
+    if (!source.transfer && !request_.walked) {
       view.optics = reinterpret_cast<const float*>(values);
     } else if (source.scale.bytes) {
       view.cell_corners = reinterpret_cast<const std::uint64_t*>(values);
@@ -159,8 +158,8 @@ class RayVolume::Builder {
     return bytes;
   }
 
-  static std::uint64_t value_bytes(const Source& source) {
-    if (!source.transfer) return kFour * sizeof(float);
+  [[nodiscard]] std::uint64_t value_bytes(const Source& source) const {
+    if (!source.transfer) return volume_.voxel_floats_ * sizeof(float);
     return source.scale.bytes ? sizeof(std::uint64_t) : sizeof(float);
   }
   static std::uint64_t color_bytes(const Source& source) {
@@ -321,16 +320,16 @@ class RayVolume::Builder {
         const VolumeAppearance& appearance = request_.appearances[piece.draw];
         voxels.resize(static_cast<std::size_t>(piece.length));
         appearance.look_up(request_.cache.values(), piece.voxel, 1, voxels.size(), voxels.data());
-        const std::size_t first = kFour * volume_.place(piece.x, piece.y, z);
+        const std::size_t first = volume_.voxel_floats_ * volume_.place(piece.x, piece.y, z);
         for (std::int64_t n = 0; n < piece.length; ++n) {
           const auto number = static_cast<std::size_t>(n);
           ClassifiedVoxel& voxel = voxels[number];
           voxel.extinction_per_mm *= request_.share(piece.voxel + number);
           if (voxel.extinction_per_mm <= 0) continue;
-          const std::size_t at = first + kFour * number;
+          const std::size_t at = first + volume_.voxel_floats_ * number;
           const std::array<float, 3> emission = appearance.emission(voxel);
           optics[at] = voxel.extinction_per_mm;
-          std::copy(emission.begin(), emission.end(), optics + at + 1);
+          if (!request_.walked) std::copy(emission.begin(), emission.end(), optics + at + 1);
           mark_around(mask, seen, piece.x + n, piece.y);
         }
         list_lit(source, piece, z,
@@ -340,8 +339,7 @@ class RayVolume::Builder {
     mark_slices(mask, visible);
   }
 
-  /// Lists the lit voxels of a piece, block by block. `white(n)`: the unlit emission of white of the n-th
-  /// voxel.
+  /// Lists the lit voxels of a piece, block by block. `white(n)`: unlit emission of white of voxel n.
   template <typename White>
   void list_lit(Source& source, const Piece& piece, std::int64_t z, const White& white) const {
     const VoxelLight* lights =
@@ -376,6 +374,7 @@ Result<RayVolume> RayVolume::build(const RayVolumeRequest& request, ThreadPool& 
   volume.runs_ = request.runs.count();
   volume.classification_ = request.classification;
   volume.shade_ = request.shade;
+  if (request.walked) volume.voxel_floats_ = 1;
   SPLATLAS_RETURN_IF_ERROR(Builder(request, volume, pool).build());
   return volume;
 }

@@ -1,5 +1,4 @@
-// Volume for ray casting: grey values or optical properties of the selected voxels in a padded box; its
-// bricks.
+// Volume for ray casting: grey values or optical properties of selected voxels in a padded box; bricks.
 #pragma once
 
 #include <algorithm>
@@ -150,7 +149,8 @@ struct RayVolumeRequest {
   const SelectedRuns& runs;                       ///< of the z axis
   const ClassCache& cache;
   Classification classification = Classification::kBefore;
-  bool shade = false;  ///< prepare boundary voxels for shading by their normals
+  bool shade = false;   ///< prepare boundary voxels for shading by their normals
+  bool walked = false;  ///< pre-classified, for ids and depths alone: without emissions
   std::uint64_t max_memory_bytes = 0;
   /// Of the plan, runs and cache, which are then pre-classified blocks: their optical properties are those of
   /// the shares that the selection fills. Null: voxels.
@@ -177,8 +177,10 @@ class RayVolume {
 
   /// True if the volume was built for these options.
   [[nodiscard]] bool fits(Classification classification, bool shade) const {
-    return classification_ == classification && shade_ == shade;
+    return classification_ == classification && shade_ == shade && voxel_floats_ == kFour;
   }
+  /// True if rays can walk through it for ids and depths of unlit voxels.
+  [[nodiscard]] bool fits_walk() const { return classification_ == Classification::kBefore && !shade_; }
   /// Lights boundary voxels if the volume was built with `shade` and the view's lighting has changed.
   void light(const ParallelView& view, const Lighting& lighting, ThreadPool& pool);
 
@@ -192,6 +194,11 @@ class RayVolume {
   }
 
   [[nodiscard]] Classification classification() const { return classification_; }
+  /// Floats per voxel if pre-classified, the first of them its extinction; null if empty.
+  [[nodiscard]] std::size_t voxel_floats() const { return voxel_floats_; }
+  [[nodiscard]] const float* extinctions() const {
+    return empty() ? nullptr : reinterpret_cast<const float*>(sources_.front().values.data());
+  }
   /// The number of all selected corners of each cell; 0 without any, kSeveralNumbers if they differ.
   static constexpr StructureNumber kSeveralNumbers = 0xffff;
   [[nodiscard]] const StructureNumber* cell_numbers() const {
@@ -225,6 +232,7 @@ class RayVolume {
   };
   class Builder;
   class Averager;
+  static constexpr std::size_t kFour = 4;
   /// Padding of the selection's bounding box by empty voxels.
   static constexpr std::int64_t kMargin = 2;
 
@@ -238,6 +246,7 @@ class RayVolume {
   }
 
   Index3 first_{};
+  std::size_t voxel_floats_ = kFour;
   MarchGrid grid_;
   std::vector<Source> sources_;
   std::vector<MarchSource> views_;

@@ -1,5 +1,4 @@
-// Means of the voxels of a ray volume, for drafts; lighting and structure numbers of voxels and cells;
-// bricks.
+// Means of the voxels of a ray volume, for drafts; lighting and numbers of voxels and cells; bricks.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -74,12 +73,14 @@ class RayVolume::Averager {
   /// Adds the voxels of a run to the sums of their blocks. `lit`: of the slice.
   void add(std::int64_t slice, const ClassRun& run, LitCursor& lit) {
     const std::int64_t x = run.start - fine_.first_[0], y = run.row - fine_.first_[1];
-    const auto* optics = reinterpret_cast<const float*>(fine_.sources_.front().values.data()) +
-                         4 * fine_.place(x, y, slice - fine_.first_[2]);
+    const std::size_t floats = fine_.voxel_floats_;
+    const float* optics = fine_.extinctions() + floats * fine_.place(x, y, slice - fine_.first_[2]);
     std::uint32_t number = fine_.number(x, y);
-    for (std::uint32_t voxel = run.start; voxel < run.start + run.length; ++voxel, ++number, optics += 4) {
+    for (std::uint32_t voxel = run.start; voxel < run.start + run.length;
+         ++voxel, ++number, optics += floats) {
       if (optics[0] <= 0) continue;
-      std::array<float, 3> emission{optics[1], optics[2], optics[3]};
+      std::array<float, 3> emission{};
+      if (floats == kFour) std::copy_n(optics + 1, 3, emission.begin());
       VoxelLight light;
       if (const LitBlock* const block = lit.find(number)) {
         for (std::size_t c = 0; c < 3; ++c) emission[c] = block->whites[number % kBlock] * block->color[c];
@@ -100,9 +101,10 @@ class RayVolume::Averager {
     for (std::int64_t x = kMargin; x < coarse_.grid_.size[0] - kMargin; ++x) {
       VoxelSums& sums = sums_[static_cast<std::size_t>(x)];
       if (sums.extinction <= 0) continue;
-      const std::size_t at = 4 * coarse_.place(x, y, z);
+      const std::size_t at = coarse_.voxel_floats_ * coarse_.place(x, y, z);
       optics[at] = sums.extinction * per_voxel;
-      for (std::size_t c = 0; c < 3; ++c) optics[at + 1 + c] = sums.emission[c] * per_voxel;
+      for (std::size_t c = 0; c + 1 < coarse_.voxel_floats_; ++c)
+        optics[at + 1 + c] = sums.emission[c] * per_voxel;
       if (const std::uint16_t lit = sums.lit_share(); lit > 0) {
         const std::uint32_t number = coarse_.number(x, y);
         LitBlock& block =
@@ -129,6 +131,7 @@ Result<RayVolume> RayVolume::means(const SelectedRuns& runs, int level, ThreadPo
   RayVolume coarse;
   coarse.runs_ = runs_;
   coarse.shade_ = shade_;
+  coarse.voxel_floats_ = voxel_floats_;
   if (empty()) return coarse;
 
   // Frame the blocks
@@ -140,8 +143,8 @@ Result<RayVolume> RayVolume::means(const SelectedRuns& runs, int level, ThreadPo
   }
   const auto slices = static_cast<std::size_t>(coarse.grid_.size[2]);
   Source& source = coarse.sources_.emplace_back();
-  SPLATLAS_ASSIGN_OR_RETURN(
-      source.values, SparseBytes::reserve(coarse.place(0, 0, coarse.grid_.size[2]) * 4 * sizeof(float)));
+  SPLATLAS_ASSIGN_OR_RETURN(source.values, SparseBytes::reserve(coarse.place(0, 0, coarse.grid_.size[2]) *
+                                                                voxel_floats_ * sizeof(float)));
   source.lit.resize(slices);
 
   // Average slices in parallel
@@ -153,8 +156,9 @@ Result<RayVolume> RayVolume::means(const SelectedRuns& runs, int level, ThreadPo
   });
   mark_slices(mask, seen);
   source.active = coarse.active_ = brick_sums(mask);
-  coarse.views_.push_back(
-      {.optics = reinterpret_cast<const float*>(source.values.data()), .active = source.active.data()});
+  MarchSource& view = coarse.views_.emplace_back();
+  (voxel_floats_ == 1 ? view.greys : view.optics) = coarse.extinctions();
+  view.active = source.active.data();
   coarse.voxels_ = std::accumulate(blocks.begin(), blocks.end(), std::uint64_t{0});
   for (const LitBlocks& slice : source.lit) coarse.lit_blocks_ += slice.size();
   return coarse;

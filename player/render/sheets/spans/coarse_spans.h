@@ -18,8 +18,7 @@ namespace splatlas {
 class CoarseSpans {
  public:
   /// Builds the spans, in parallel, from those of the voxels. `shade`: list lights, of a model that lists
-  /// those of voxels. Cost: about 10 ns per voxel, and linear in the blocks of their box. Throws
-  /// std::bad_alloc.
+  /// those of voxels. Cost: 10 ns per voxel, and linear in the blocks of the box. Throws std::bad_alloc.
   CoarseSpans(const SpanModel& fine, bool shade, int level, ThreadPool& pool);
 
   /// True for spans along `axis` of this level; `shade`: those that list lights.
@@ -35,8 +34,7 @@ class CoarseSpans {
   SpanModel model_;
 };
 
-/// Spans of a BlockVolume: its optical properties, times the share of each block that the selection fills.
-/// Not thread-safe.
+/// Spans of a BlockVolume: its optics, times the share of each block that is selected. Not thread-safe.
 class BlockSpans {
  public:
   /// `selection` is that of the volume's plan.

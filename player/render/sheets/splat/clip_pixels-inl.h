@@ -1,5 +1,4 @@
-// Clip policies of the splat kernels: fractions of slabs at blocks of pixels. Compiled once for every
-// instruction set.
+// Clip policies of the splat kernels: fractions of slabs at blocks of pixels. For every instruction set.
 #if defined(SPLATLAS_PLAYER_CLIP_PIXELS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SPLATLAS_PLAYER_CLIP_PIXELS_INL_H_
 #undef SPLATLAS_PLAYER_CLIP_PIXELS_INL_H_

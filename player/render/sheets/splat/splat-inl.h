@@ -1,5 +1,4 @@
-// Splatting of slices into sheets and compositing (Westover 1990), the hot loop. Compiled once for every
-// instruction set.
+// Splatting of slices into sheets (Westover 1990), the hot loop. Compiled for every instruction set.
 #if defined(SPLATLAS_PLAYER_SPLAT_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SPLATLAS_PLAYER_SPLAT_INL_H_
 #undef SPLATLAS_PLAYER_SPLAT_INL_H_

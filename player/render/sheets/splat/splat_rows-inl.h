@@ -1,5 +1,4 @@
-// Choice of the splat kernel for the rows, phases and clip of a call; weighted sums of slices. Compiled for
-// every instruction set.
+// Choice of the splat kernel for a call; weighted sums of slices. Compiled for every instruction set.
 #if defined(SPLATLAS_PLAYER_SPLAT_ROWS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SPLATLAS_PLAYER_SPLAT_ROWS_INL_H_
 #undef SPLATLAS_PLAYER_SPLAT_ROWS_INL_H_

@@ -39,12 +39,10 @@ namespace splatlas {
                                            const ImageOptions& options = {});
 
 /// True for a file that begins as DICOM, with a preamble or without, whatever its ending, and for a folder
-/// that holds such a file. Cost: lists the folder, and opens files until the first hit, at most 4096.
-/// Thread-safe.
+/// that holds such a file. Cost: lists the folder, opens up to 4096 files until a hit. Thread-safe.
 [[nodiscard]] bool is_dicom(const std::filesystem::path& file_or_folder);
 
-/// True for a file of contours (RTSTRUCT), which has no grid of its own, and for a folder that holds one.
-/// Cost: as is_dicom().
+/// True for a file of contours (RTSTRUCT), without a grid, or a folder that holds one. Cost: as is_dicom().
 [[nodiscard]] bool is_contours(const std::filesystem::path& file_or_folder);
 
 /// Imports the only volume or segmentation of a file or folder, or the one that `options.series` names. Of a

@@ -69,8 +69,7 @@ TEST(DepthEdges, OfAStepTheFurtherSideDarkensByAKnownAmount) {
         EXPECT_EQ(factor, 1) << x;  // the nearer side, and beyond the radius
         continue;
       }
-      // Of the total weight 80, pairs wide enough to reach the step: all but two vertical ones, then the last
-      // two.
+      // Of the total weight 80, pairs wide enough to reach the step: all but two vertical ones, then two.
       if (x == 30) {
         EXPECT_NEAR(factor, 1 - 0.8 * share * 73 / 80, 1e-6);
       }

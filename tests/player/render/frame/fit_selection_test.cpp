@@ -34,8 +34,7 @@ void for_each_drawn_voxel(const Atlas& atlas, const DrawPlan& plan, const Use& u
   }
 }
 
-/// Corners of the drawn content, voxel by voxel: volumes with the reach of interpolation, and the vertices of
-/// surfaces.
+/// Corners of the drawn content by voxel: volumes with the reach of interpolation, vertices of surfaces.
 std::vector<Vec3> corners_lps(const Atlas& atlas, const Selection& selection) {
   const DrawPlan plan = atlas.tree().plan(selection);
   const Affine to_lps = index_to_lps_mm(atlas.grid());

@@ -90,6 +90,25 @@ TEST_P(MarchKernelsOf, ComputeTheDefinitionInEqualSteps) {
   }
 }
 
+/// For ids and depths: the same bits as with emissions.
+TEST_P(MarchKernelsOf, FindOpacitiesFromExtinctionsAlone) {
+  RandomSources random(7);
+  std::vector sources{random.optics()};
+  MarchScene scene = random.scene(sources, 1);
+  std::vector<float> alone;
+  for (std::ptrdiff_t n = 0; n < scene.grid.size[0] * scene.grid.size[1] * scene.grid.size[2]; ++n)
+    alone.push_back(sources[0].optics[4 * n]);
+  for (const float tolerance : {0.0f, 0.02f}) {
+    scene.tolerance = tolerance;
+    scene.max_steps = 16;
+    const RayPacket rays = random.rays_of_all_axes();
+    sources[0] = random.optics();
+    const RadiancePacket expected = marched(scene, rays, kernels());
+    std::tie(sources[0].optics, sources[0].greys) = std::pair(nullptr, alone.data());
+    EXPECT_EQ(marched(scene, rays, kernels()).planes[3], expected.planes[3]);
+  }
+}
+
 /// Lines of few bricks with long gaps between them; the definition skips nothing.
 TEST_P(MarchKernelsOf, SkipEmptyBricksOnly) {
   for (std::uint32_t seed = 0; seed < 24; ++seed) {

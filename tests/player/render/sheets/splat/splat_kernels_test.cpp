@@ -281,8 +281,7 @@ TEST_P(SplatKernelsOf, OpaqueBlocksStayAndTheNextOneGetsItsFootprint) {
   }
 }
 
-/// Composites shifted slices until much is opaque. The record of opaque pixels has no effect on values, and
-/// is true.
+/// Composites shifted slices until much is opaque. The record of opaque pixels is true, without effect.
 TEST_P(SplatKernelsOf, RecordedOpaquePixelsHaveNoEffect) {
   constexpr float kThreshold = 1e-3f;
   std::mt19937 random(5);
