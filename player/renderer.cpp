@@ -358,6 +358,11 @@ Result<Camera> Renderer::fit(const Camera& camera, const RenderOptions& options,
   });
 }
 
+void Renderer::rest() {
+  impl_->buffers = {};
+  impl_->spans.keep_latest();
+}
+
 Result<Frame> Renderer::render(const Camera& camera, const RenderOptions& options,
                                const RenderControl& control) {
   Frame frame;

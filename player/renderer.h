@@ -108,6 +108,9 @@ class Renderer {
                                    std::optional<std::span<const StructureIndex>> structures = std::nullopt,
                                    const PictureRegion& region = {}, const RenderControl& control = {});
 
+  /// Frees what only makes the next pictures faster: buffers of frames, and spans of earlier axes.
+  void rest();
+
  private:
   friend struct RendererInternals;
   struct Impl;

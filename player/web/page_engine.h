@@ -1,5 +1,4 @@
-// The player behind a page: answers requests as JSON, in a WebAssembly module as in a server. Its atlas may
-// arrive in pieces.
+// The player behind a page: answers requests as JSON, in WebAssembly as in a server; atlases in pieces.
 #pragma once
 
 #include <cstddef>
@@ -64,9 +63,11 @@ class PageEngine {
 
   /// The latest picture; empty after an error in drawing it.
   [[nodiscard]] const Frame& frame() const { return frame_; }
-  /// Gives the latest picture away: "pick", "light" and "labels" know it no more. The next one reuses the
-  /// memory of `spare`.
+  /// Gives the latest picture away from "pick", "light" and "labels". The next one reuses `spare`.
   [[nodiscard]] Frame take_frame(Frame spare) { return std::exchange(frame_, std::move(spare)); }
+  void rest() {
+    if (renderer_) renderer_->rest();
+  }
 
  private:
   struct Call;

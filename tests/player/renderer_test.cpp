@@ -104,6 +104,7 @@ TEST(Renderer, GivesTheSameBitsWhateverWasSelectedBefore) {
         if (random() % 3 == 0) camera.azimuth_deg += static_cast<double>(random() % 90);
         const Picture again = render_or_throw(used, camera, options);
         const Picture borrowed = render_or_throw(other, camera, options);
+        if (random() % 3 == 0) used.rest();
         const Picture fresh = render_or_throw(scene.content, selection, camera, options);
         ASSERT_EQ(again.rgba, fresh.rgba) << describe(scene) << ", step " << step;
         ASSERT_EQ(borrowed.rgba, fresh.rgba) << describe(scene) << ", step " << step;
@@ -228,6 +229,7 @@ TEST(Renderer, PicksThePictureBeforeAFrameThatWasRefused) {
   const auto refused = renderer.render({}, {.size = {999, 999}});
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().code, ErrorCode::kLimit);
+  renderer.rest();
   const auto again = frame.pick(49, 50);
   ASSERT_TRUE(again);
   EXPECT_EQ(again->structure, pick->structure);

@@ -195,10 +195,13 @@ void SpanStore::outdate() {
   blocks_.reset();
   strip_.reset();
   strip_runs_.reset();
+  keep_latest();
+  if (auto& spans = spans_[static_cast<std::size_t>(latest_)]) spans->runs.reset();
+}
+
+void SpanStore::keep_latest() {
   for (const Axis axis : kAxes) {
-    std::optional<AxisSpans>& spans = spans_[static_cast<std::size_t>(axis)];
-    if (axis != latest_) spans.reset();
-    if (spans) spans->runs.reset();
+    if (axis != latest_) spans_[static_cast<std::size_t>(axis)].reset();
   }
 }
 

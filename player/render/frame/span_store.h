@@ -58,8 +58,7 @@ class SpanStore {
   /// Prepares the volume of a frame: chooses its detail, and builds spans unless they are current. Blocks
   /// take the place of means of spans that would take long. Spans that may take more than `max_bytes` are
   /// built strip by strip while the frame is drawn; all arguments must outlive it. Sets the traversal and
-  /// counters of the statistics, and adds the time to build spans to `select_ms`. Valid until the next call.
-  /// Throws std::bad_alloc.
+  /// counters; adds the time to build spans to `select_ms`. Valid until the next call. Throws bad_alloc.
   [[nodiscard]] SheetVolume prepare(const SpanSource& source, const ParallelView& view, const Shear& shear,
                                     const Lighting& lighting, const RenderOptions& options,
                                     std::uint64_t max_bytes, RenderStats& stats, ThreadPool& pool);
@@ -73,6 +72,8 @@ class SpanStore {
   void took(const RenderStats& stats, const RenderOptions& options);
   /// Marks the spans of the latest axis as outdated, and frees the others. For a new plan.
   void outdate();
+  /// Frees the spans of other axes than the latest.
+  void keep_latest();
   void clear();
 
   /// Selected runs along an axis; null if its spans are not current.

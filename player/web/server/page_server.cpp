@@ -41,7 +41,6 @@ bool is_same(std::string_view text, std::string_view secret) {
 
 using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
-
 constexpr std::chrono::seconds kBeat{1};
 constexpr std::chrono::seconds kLeftAfter{10};
 constexpr std::uint32_t kNoPage = 410;
@@ -66,7 +65,6 @@ struct HttpRequest {
 };
 
 using Beat = std::function<bool()>;
-
 struct HttpAnswer {
   unsigned status = 200;
   const char* type = "text/plain";
@@ -209,8 +207,6 @@ struct PageServer::Impl {
     ends.notify_all();
     if (daemon != nullptr) MHD_stop_daemon(daemon);  // its threads use the rest
   }
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
 
   /// Ends the pictures of sessions, except one's.
   static void stop_all(const Sessions& sessions, const Session* except = nullptr) {
@@ -239,8 +235,7 @@ struct PageServer::Impl {
 
   [[nodiscard]] auto port() const { return MHD_get_daemon_info(daemon, MHD_DAEMON_INFO_BIND_PORT)->port; }
 
-  /// The first call of a request has its head, those that follow the body in pieces, and the last one
-  /// nothing.
+  /// The first call of a request has its head, those that follow pieces of the body, the last one nothing.
   static MHD_Result on_request(void* closure, MHD_Connection* connection, const char* path,
                                const char* method, const char* /*version*/, const char* piece,
                                std::size_t* piece_bytes, void** state) try {
@@ -317,6 +312,7 @@ struct PageServer::Impl {
   HttpAnswer call(const std::string& id, const std::string& worker, const std::string& request) {
     const bool ends_others = is_draft(request);
     std::shared_ptr<Session> session;
+    Sessions of_page;
     {
       const std::scoped_lock lock(mutex);
       const auto found = open.find(id);
@@ -329,6 +325,7 @@ struct PageServer::Impl {
         sessions.emplace(worker, std::move(made));
       }
       session = sessions.at(worker);
+      of_page = sessions;
       if (ends_others) stop_all(sessions, session.get());
     }
     const std::scoped_lock one(session->busy);
@@ -340,8 +337,17 @@ struct PageServer::Impl {
       stop = session->stop.get_token();
     }
     const PageAnswer answer = session->engine.call(request, {}, {.stop = stop});
-    note_missing(session->engine.frame());
-    if (answer.has_picture && !ends_others) malloc_trim(0);  // what decoding left, on all threads
+    if (const Frame& frame = session->engine.frame(); !frame.missing.empty()) {
+      const std::scoped_lock lock(mutex);
+      missing = describe(frame.missing.front(), page.atlas->graph());
+    }
+    if (answer.has_picture && !ends_others) {
+      for (const auto& [number, each] : of_page) {
+        std::unique_lock idle(each->busy, std::defer_lock);
+        if (each == session || idle.try_lock()) each->engine.rest();
+      }
+      malloc_trim(0);  // what decoding left, on all threads
+    }
     return answer_of(answer, session->engine.frame().picture);
   }
 
@@ -359,12 +365,6 @@ struct PageServer::Impl {
     page.atlas = saved->atlas;
     if (encoded) html = *std::move(encoded);
     return said("saved", saved->text);
-  }
-
-  void note_missing(const Frame& frame) {
-    if (frame.missing.empty()) return;
-    const std::scoped_lock lock(mutex);
-    missing = describe(frame.missing.front(), page.atlas->graph());
   }
 };
 
