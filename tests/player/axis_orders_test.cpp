@@ -17,7 +17,7 @@ std::vector<T> reordered_voxels(const std::vector<T>& voxels, const Index3& size
   return result;
 }
 
-/// Overlapping shapes and noise in a sheared grid. All numbers are exact in binary, the origin, too.
+/// Overlapping shapes and noise in a sheared grid. All numbers are exact in binary, with any axis order.
 TestVolume volume_in_storage_order() {
   TestVolume volume;
   volume.grid = {{13, 9, 11}, {1, 1.5, 0.75}, {-4, 8, 16}, {0.75, -0.25, 0, 0.5, 0.75, 0, 0, 0, 1}};
