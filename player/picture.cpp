@@ -80,9 +80,9 @@ Result<void> to_srgba8(const Picture& picture, std::span<std::uint8_t> out) {
   for (std::size_t n = 0; n < out.size() / 4; ++n) {
     check_stop(n);
     const float* p = &picture.rgba[4 * n];
+    out[4 * n + 3] = static_cast<std::uint8_t>(255.0f * unit(p[3]) + 0.5);  // a faster std::lround()
     // Divide: the reciprocal of the smallest opacities is infinite.
-    for (std::size_t c = 0; c < 3; ++c) out[4 * n + c] = encode(p[3] > 0 ? p[c] / p[3] : 0.0f);
-    out[4 * n + 3] = static_cast<std::uint8_t>(std::lround(255.0f * unit(p[3])));
+    for (std::size_t c = 0; c < 3; ++c) out[4 * n + c] = p[3] > 0 ? encode(p[c] / p[3]) : 0;
   }
   return {};
 }
