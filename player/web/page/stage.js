@@ -59,9 +59,9 @@ class Stage {
   /** Puts a picture on the canvas, which the style stretches over the stage, with its scale and directions. */
   draw({width, height, data, camera}) {
     this.#mark(camera);
-    this.#canvas.width = width;
-    this.#canvas.height = height;
-    this.#canvas.getContext('2d').putImageData(new ImageData(data, width, height), 0, 0);
+    const canvas = this.#canvas;
+    if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+    canvas.getContext('2d').putImageData(new ImageData(data, width, height), 0, 0);
   }
 
   /** Shows the scale and the directions of a camera. */
