@@ -67,11 +67,11 @@ class Module {
 /** An engine in the program that serves the page, for workers: they may wait for an answer. */
 class Server {
   #url;
-  #pixels = null;
+  #runs = null;  // of the latest picture
 
   constructor(url) { this.#url = url; }
 
-  /** The answer is its status, the bytes of its text, the text, and the pixels of a picture. */
+  /** The answer is its status, the bytes of its text, the text in whole words, and the runs of a picture. */
   call(request) {
     const exchange = new XMLHttpRequest();
     exchange.open('POST', this.#url, false);
@@ -79,11 +79,17 @@ class Server {
     exchange.send(request);
     if (exchange.status !== 200) throw new Error(`the player answers ${exchange.status}`);
     const [status, bytes] = new Uint32Array(exchange.response, 0, 2);
-    this.#pixels = new Uint8ClampedArray(exchange.response, 8 + bytes);
+    this.#runs = new Uint32Array(exchange.response, 8 + (bytes + 3 & ~3));
     return [status, new TextDecoder().decode(new Uint8Array(exchange.response, 8, bytes))];
   }
 
-  pixels() { return this.#pixels; }
+  /** A run: the number of transparent pixels, the number of others, and these. */
+  pixels(count) {
+    const [runs, pixels] = [this.#runs, new Uint32Array(count / 4)];
+    for (let n = 0, at = 0; n < runs.length; at += runs[n + 1], n += 2 + runs[n + 1])
+      pixels.set(runs.subarray(n + 2, n + 2 + runs[n + 1]), at += runs[n]);
+    return new Uint8ClampedArray(pixels.buffer);
+  }
 }
 
 class Splatlas {

@@ -22,7 +22,6 @@
 #include <nlohmann/json.hpp>
 #include <sys/random.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include "format/result_macros.h"
 #include "format/text/json_text.h"
@@ -117,25 +116,29 @@ std::vector<std::byte> bytes_of(std::string_view text) {
   return {bytes, bytes + text.size()};
 }
 
+/// Two numbers, the text in whole words, and the pixels in runs: the number of transparent ones, the number
+/// of others, and these. Browsers take two milliseconds for a megabyte.
 HttpAnswer answer_of(const PageAnswer& answer, const Picture& picture) {
-  const std::array<std::uint32_t, 2> head{static_cast<std::uint32_t>(answer.status),
-                                          static_cast<std::uint32_t>(answer.text.size())};
-  const std::size_t pixels = sizeof head + answer.text.size();
-  std::vector<std::byte> body(pixels + (answer.has_picture ? picture.rgba.size() : 0));
-  std::memcpy(body.data(), head.data(), sizeof head);
-  std::memcpy(body.data() + sizeof head, answer.text.data(), answer.text.size());
-  auto* const to = reinterpret_cast<std::uint8_t*>(body.data() + pixels);
-  if (answer.has_picture && !to_srgba8(picture, std::span(to, picture.rgba.size()))) return {.status = 500};
-  return {.type = "application/octet-stream", .body = std::move(body)};
+  using Words = std::vector<std::uint32_t>;
+  const std::size_t letters = answer.text.size();
+  Words words{static_cast<std::uint32_t>(answer.status), static_cast<std::uint32_t>(letters)};
+  Words pixels(answer.has_picture ? picture.rgba.size() / 4 : 0);
+  words.resize(2 + (letters + 3) / 4);
+  std::memcpy(words.data() + 2, answer.text.data(), letters);
+  const std::span srgba(reinterpret_cast<std::uint8_t*>(pixels.data()), 4 * pixels.size());
+  if (answer.has_picture && !to_srgba8(picture, srgba)) return {.status = 500};
+  for (auto at = pixels.begin(), end = at; at != pixels.end(); at = end) {
+    const auto first = std::find_if(at, pixels.end(), std::identity());
+    end = std::find(first, pixels.end(), 0U);
+    for (const auto count : {first - at, end - first}) words.push_back(static_cast<std::uint32_t>(count));
+    words.insert(words.end(), first, end);
+  }
+  const std::string_view bytes(reinterpret_cast<const char*>(words.data()), 4 * words.size());
+  return {.type = "application/octet-stream", .body = bytes_of(bytes)};
 }
 
 HttpAnswer said(const char* what, const std::string& text) {
   return {.type = "application/json", .body = bytes_of(json_text(Json::array({what, text}), -1))};
-}
-
-bool is_draft(const std::string& request) {
-  const Json json = Json::parse(request, nullptr, false);
-  return json.is_object() && json.value("call", Json()) == "draw" && json.value("quality", Json()) == "draft";
 }
 
 }  // namespace
@@ -310,7 +313,9 @@ struct PageServer::Impl {
   }
 
   HttpAnswer call(const std::string& id, const std::string& worker, const std::string& request) {
-    const bool ends_others = is_draft(request);
+    const Json asked = Json::parse(request, nullptr, false);
+    const bool ends_others = asked.is_object() && asked.value("call", Json()) == "draw" &&
+                             asked.value("quality", Json()) == "draft";
     std::shared_ptr<Session> session;
     Sessions of_page;
     {
