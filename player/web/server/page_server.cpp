@@ -67,7 +67,7 @@ using Beat = std::function<bool()>;
 struct HttpAnswer {
   unsigned status = 200;
   const char* type = "text/plain";
-  std::vector<std::byte> body = {};
+  std::string body = {};
   std::vector<std::pair<const char*, std::string>> headers = {};
   /// If set, the answer is a stream of events without content: beat() waits for the time of the next one, and
   /// returns false at the end. Destroyed once the client has closed the connection.
@@ -89,9 +89,9 @@ MHD_Response* response_of(HttpAnswer& answer) {
   if (answer.beat)
     return MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, 64, write_event,
                                              new Beat(std::move(answer.beat)), destroy<Beat>);
-  auto* const body = new std::vector<std::byte>(std::move(answer.body));
+  auto* const body = new std::string(std::move(answer.body));
   return MHD_create_response_from_buffer_with_free_callback_cls(body->size(), body->data(),
-                                                                destroy<std::vector<std::byte>>, body);
+                                                                destroy<std::string>, body);
 }
 
 MHD_Result send(MHD_Connection* connection, HttpAnswer answer) {
@@ -111,11 +111,6 @@ void on_end(void* /*closure*/, MHD_Connection* /*connection*/, void** state,
   delete static_cast<std::string*>(std::exchange(*state, nullptr));
 }
 
-std::vector<std::byte> bytes_of(std::string_view text) {
-  const auto* const bytes = reinterpret_cast<const std::byte*>(text.data());
-  return {bytes, bytes + text.size()};
-}
-
 /// Two numbers, the text in whole words, and the pixels in runs: the number of transparent ones, the number
 /// of others, and these. Browsers take two milliseconds for a megabyte.
 HttpAnswer answer_of(const PageAnswer& answer, const Picture& picture) {
@@ -133,12 +128,12 @@ HttpAnswer answer_of(const PageAnswer& answer, const Picture& picture) {
     for (const auto count : {first - at, end - first}) words.push_back(static_cast<std::uint32_t>(count));
     words.insert(words.end(), first, end);
   }
-  const std::string_view bytes(reinterpret_cast<const char*>(words.data()), 4 * words.size());
-  return {.type = "application/octet-stream", .body = bytes_of(bytes)};
+  const auto* const bytes = reinterpret_cast<const char*>(words.data());
+  return {.type = "application/octet-stream", .body = {bytes, 4 * words.size()}};
 }
 
 HttpAnswer said(const char* what, const std::string& text) {
-  return {.type = "application/json", .body = bytes_of(json_text(Json::array({what, text}), -1))};
+  return {.type = "application/json", .body = json_text(Json::array({what, text}), -1)};
 }
 
 }  // namespace
@@ -277,13 +272,13 @@ struct PageServer::Impl {
       return call(id, request.argument("worker"), body);
     if (request.method == "POST" && request.path == "/lesson")
       return save(id, body, !request.argument("replaces").empty());
-    return {.status = 404, .body = bytes_of("no such address\n")};
+    return {.status = 404, .body = "no such address\n"};
   }
 
   HttpAnswer whole_page() const {
     const std::scoped_lock lock(mutex);
     return {.type = "text/html; charset=utf-8",
-            .body = bytes_of(html),
+            .body = html,
             .headers = {{"Set-Cookie", door.cookie()},
                         {"Referrer-Policy", "no-referrer"},
                         {"Cross-Origin-Resource-Policy", "same-origin"},
@@ -294,8 +289,7 @@ struct PageServer::Impl {
   HttpAnswer alive(const std::string& id) {
     {
       const std::scoped_lock lock(mutex);
-      if (!open.emplace(id, Sessions{}).second)
-        return {.status = 409, .body = bytes_of("the page is open\n")};
+      if (!open.emplace(id, Sessions{}).second) return {.status = 409, .body = "the page is open\n"};
       left.reset();
     }
     const std::shared_ptr<const void> guard(nullptr, [this, id](const void*) { close(id); });
@@ -322,7 +316,7 @@ struct PageServer::Impl {
       const std::scoped_lock lock(mutex);
       const auto found = open.find(id);
       if (found == open.end() || (worker != "0" && worker != "1"))
-        return {.status = kNoPage, .body = bytes_of("the page is closed\n")};
+        return {.status = kNoPage, .body = "the page is closed\n"};
       Sessions& sessions = found->second;
       if (!sessions.contains(worker)) {
         auto made = std::make_shared<Session>(page.renderer);
