@@ -99,6 +99,8 @@ class Atlas {
   [[nodiscard]] bool has_means(ClassId c) const;
   /// Normals of a class with a boundary membership, in memory order; empty for other classes.
   [[nodiscard]] Result<std::vector<PackedNormal>> read_normals(ClassId c) const;
+  /// Frees the runs that it keeps for other parts of their classes, if they take more than 8 MiB.
+  void forget_runs() const;
   /// The surface of one structure; empty for a group. `level`: for drafts, that of blocks of 2^level voxels
   /// along each axis (format/derive/coarse_surface.h), or the coarsest that keeps the structure's parts.
   [[nodiscard]] Result<SurfaceMesh> read_surface(StructureIndex s, int level = 0) const;

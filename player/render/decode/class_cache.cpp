@@ -120,32 +120,13 @@ void ClassCache::begin(std::span<const StructureIndex> drawn, std::uint64_t byte
 
 Result<void> ClassCache::reserve(std::span<const Missing> missing) {
   const auto voxels = static_cast<std::uint64_t>(atlas_->grid().voxels());
-  std::uint64_t new_voxels = 0;
-  IndexBox box;
-  bool values = false, normals = false;
-  for (const Missing& of : missing) {
-    values = values || of.values;
-    normals = normals || of.normals;
-    if (!of.values && !of.normals) continue;
-    new_voxels += atlas_->classes().voxels(of.id);
-    box.include(atlas_->classes().box(of.id));
-  }
-  if (values && values_.data() == nullptr) {
+  const auto lacks = [&](auto part) { return std::ranges::any_of(missing, part); };
+  if (values_.data() == nullptr && lacks(&Missing::values)) {
     SPLATLAS_ASSIGN_OR_RETURN(values_, SparseBytes::reserve(voxels * value_bytes()));
   }
-  if (normals && lights_.data() == nullptr) {
+  if (lights_.data() == nullptr && lacks(&Missing::normals)) {
     SPLATLAS_ASSIGN_OR_RETURN(lights_, SparseBytes::reserve(voxels * sizeof(VoxelLight)));
   }
-  if (box.empty()) return {};
-
-  // Request large pages between the first and the last slice of the box, unless voxels are sparse
-  constexpr std::uint64_t kSparse = 32;  // voxels of the grid per required voxel
-  const auto slice = static_cast<std::size_t>(voxels / static_cast<std::uint64_t>(atlas_->grid().size[2]));
-  const std::size_t first = static_cast<std::size_t>(box.first[2]) * slice;
-  const std::size_t count = static_cast<std::size_t>(box.last[2] - box.first[2] + 1) * slice;
-  if (new_voxels < count / kSparse) return {};
-  if (values) values_.expect_dense(first * value_bytes(), count * value_bytes());
-  if (normals) lights_.expect_dense(first * sizeof(VoxelLight), count * sizeof(VoxelLight));
   return {};
 }
 
@@ -175,6 +156,7 @@ Result<void> ClassCache::require(std::span<const ClassId> classes, Axis axis, Th
     }
     keep_runs(runs, each, atlas_->grid().size[ScanOrder::of(each).row_axis], pool);
   }
+  if (parts >= VoxelParts::kValues) atlas_->forget_runs();
   for (const Missing& of : missing) {
     if (!of.result) {
       failed_classes_.push_back({of.id, of.result.error()});
