@@ -136,12 +136,11 @@ Result<ClassRuns> Atlas::read_runs(ClassId c, Axis axis) const {
 }
 
 void Atlas::forget_runs() const {
-  constexpr std::size_t kMaxRuns = (std::size_t{8} << 20) / sizeof(Run);
   const std::lock_guard lock(impl_->recent_mutex);
   std::size_t runs = 0;
   for (const auto& recent : impl_->recent_splits)
     runs += recent.runs->interior.size() + recent.runs->boundary.size();
-  if (runs > kMaxRuns) impl_->recent_splits.clear();
+  if (runs * sizeof(Run) > (std::size_t{8} << 20)) impl_->recent_splits.clear();
 }
 
 Result<std::vector<Rgb>> Atlas::distinct_colors() const {

@@ -47,4 +47,10 @@ void SparseBytes::expect_dense(std::size_t first, std::size_t bytes) {
   static_cast<void>(madvise(data() + from, to - from, MADV_HUGEPAGE));
 }
 
+void SparseBytes::drop(std::size_t bytes) {
+  constexpr std::size_t kPage = std::size_t{64} << 10;  // of any system
+  const std::size_t from = (bytes + kPage - 1) / kPage * kPage;
+  if (from < size()) static_cast<void>(madvise(data() + from, size() - from, MADV_DONTNEED));
+}
+
 }  // namespace splatlas

@@ -17,6 +17,8 @@ class SparseBytes {
   /// Announces dense writes to a part, which may then be backed by large pages (2 MiB). Their page faults
   /// cost a third per byte. A hint: no effect on systems without large pages.
   void expect_dense(std::size_t first, std::size_t bytes);
+  /// Frees the memory behind the first `bytes`. Later reads may find zeros.
+  void drop(std::size_t bytes);
   [[nodiscard]] std::byte* data() const { return data_.get(); }
   [[nodiscard]] std::size_t size() const { return data_ ? data_.get_deleter().size : 0; }
 
