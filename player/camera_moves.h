@@ -29,7 +29,7 @@ namespace splatlas {
 /// Zooms by a factor about the centre. Clamps the zoom to [kMinZoom, kMaxZoom].
 [[nodiscard]] Camera zoomed(const Camera& camera, double factor);
 /// The same about picture coordinates (x, y): their point in the plane of the centre is fixed. Returns the
-/// camera unchanged if parallel_view() fails.
+/// camera zoomed about the centre if parallel_view() fails.
 [[nodiscard]] Camera zoomed_at(const Camera& camera, double factor, double x, double y,
                                const PictureSize& size, const Display& display);
 

@@ -14,8 +14,7 @@ namespace splatlas {
 
 /// [structure]: the structures that touch it, ascending. Two structures touch if they share a voxel or a face
 /// of two voxels; voxels that an external surface crosses count as its own. `runs`: [class], principal axis
-/// z. Throws as check_task() and check_memory(). Cost: O(runs * log(classes)), and the pairs of structures of
-/// touching classes.
+/// z. Throws as check_task() and check_memory(). Cost: O(runs * log(classes)), and pairs that touch.
 [[nodiscard]] std::vector<std::vector<StructureIndex>> touching_structures(std::size_t structures,
                                                                            const ClassTable& classes,
                                                                            std::span<const ClassRuns> runs,

@@ -118,8 +118,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-/// Names that contain the text, then names by edit distance. Each structure has one entry, the nearest of its
-/// name, id and terms.
+/// Names that contain the text, then names by edit distance: one a structure, of its name, id and terms.
 std::vector<std::string> nearest_names(const StructureGraph& graph, std::string_view text) {
   std::string query = to_lower(text.substr(0, kMaxCompared));
   std::erase(query, '*');

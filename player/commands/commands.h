@@ -33,7 +33,7 @@ void add_framing(CLI::App& command, bool& fits_selection, FrameCenter& center);
 /// The scene of a name, in any case. kNotFound with the names that the atlas has.
 [[nodiscard]] Result<Scene> find_scene(const std::string& name, const Atlas& atlas);
 
-/// An error in a selection, with the atlas; of a `scene`, unless empty, a fault of the file: kInvalidAtlas.
+/// An error in a selection, with the atlas. If it is of a `scene`, the file is at fault: kInvalidAtlas.
 [[nodiscard]] Error in_selection(const Error& error, const Atlas& atlas, const std::string& scene);
 
 struct OpeningRequest {

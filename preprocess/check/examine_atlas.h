@@ -90,8 +90,7 @@ struct Examination {
 [[nodiscard]] std::optional<Index3> find_nose(std::span<const std::uint8_t> mask, const Grid& grid);
 
 /// Examines an atlas; docs/guide.md has the rules. Linear in voxels, structures and pairs of structures in
-/// one class, and the holes. Memory: 4 bytes per voxel, and grey values if a name tells of a head. Errors of
-/// reading.
+/// one class, and the holes. Memory: 4 bytes per voxel, and grey values for heads. Errors of reading.
 [[nodiscard]] Result<Examination> examine_atlas(const Atlas& atlas);
 
 }  // namespace splatlas

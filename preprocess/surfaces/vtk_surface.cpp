@@ -59,7 +59,7 @@ std::vector<Triangle> as_set(std::vector<Triangle> triangles) {
   return triangles;
 }
 
-/// Sort key of a triangle: offset in the crop of its cell's leading voxel plus 1, or 0; that of the cell.
+/// Sort key of a triangle: offset in the crop of its cell's leading voxel plus 1, or 0; then the cell's.
 std::pair<std::size_t, std::size_t> place_of(const Triangle& triangle, const StructureCrop& crop,
                                              const SurfaceMesh& mesh) {
   Index3 cell{};

@@ -32,7 +32,7 @@ const MaskedVolume kEmpty = empty_volume();
 constexpr std::array<std::array<double, 2>, 7> kViews{
     {{0, 0}, {90, 0}, {30, 20}, {120, -35}, {0, 80}, {200, 10}, {-60, -70}}};
 
-/// An off-centre box in a volume of three different sides: axes, signs, half voxels, half pixels count.
+/// An off-centre box in a volume of three different sides: axes, signs, half voxels must be right.
 TEST(VolpackPeer, ShowsABoxWhereItIs) {
   MaskedVolume volume = kEmpty;
   put_box(volume, {5, 10, 12}, 3, 255);

@@ -1,5 +1,4 @@
-// Scenes of a lesson: built into an atlas, listed, and rendered by name. Handouts, turns, and pictures to
-// standard output.
+// Scenes of a lesson: built into an atlas, listed, rendered by name; handouts, turns, standard output.
 
 #include <fstream>
 

@@ -93,8 +93,7 @@ inline std::vector<Bytes> decode_streams(const AtlasParts& parts, SectionKind ki
   return streams;
 }
 
-/// Replaces the streams of a section, cut and compressed as by the writer. The caller adjusts their lengths
-/// in the directory.
+/// Replaces a section's streams, cut and compressed as by the writer. The caller adjusts the directory.
 inline void replace_streams(AtlasParts& parts, SectionKind kind, const std::vector<Bytes>& streams) {
   std::size_t first = 0;
   for (SectionEntry& section : parts.directory.sections) {

@@ -38,8 +38,7 @@ inline void showValue(const Selection& selection, std::ostream& out) {
   }
 }
 
-/// A directed acyclic graph of `n` structures in any order: forests, trees and several parents. Names repeat;
-/// ids contain "-" and capitals.
+/// A directed acyclic graph of `n` structures in any order. Names repeat; ids have "-" and capitals.
 inline StructureGraph random_graph(std::size_t n, std::mt19937& random) {
   std::vector<StructureIndex> at(n);  // place in graph order -> index
   std::iota(at.begin(), at.end(), StructureIndex{0});

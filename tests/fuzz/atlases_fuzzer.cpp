@@ -24,8 +24,7 @@ namespace {
 /// Budget of each operation: 0.1 s and 7 MiB.
 constexpr double kMaxWork = 1.0 / 300;
 constexpr std::uint64_t kMemory = 14 << 20;
-/// Sanitizers and other programs delay the look at the clock. Several parts of an operation may hold memory
-/// at once.
+/// Sanitizers and other programs delay the look at the clock. Several parts may hold memory at once.
 constexpr Cost kLimit{1.5, 48 << 20};
 /// The writer has no budget: files of few voxels are written again.
 constexpr std::int64_t kMaxRewrittenVoxels = 1 << 16;

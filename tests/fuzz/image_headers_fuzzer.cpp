@@ -1,5 +1,4 @@
-// Fuzz target: untrusted image files, as far as they are read without ITK.
-// Input: a byte of choices, then the file.
+// Fuzz target: untrusted image files, as read without ITK. Input: a byte of choices, then the file.
 #include <array>
 #include <string>
 #include <vector>

@@ -1,5 +1,4 @@
-// Fuzz target: untrusted mesh files.
-// Input: a byte of choices, then the file.
+// Fuzz target: untrusted mesh files. Input: a byte of choices, then the file.
 #include <array>
 #include <cmath>
 #include <cstdint>

@@ -81,8 +81,7 @@ void mutate_row(ClassRow& row, std::size_t structures, Random& random) {
   }
 }
 
-/// Half of the time the empty class absorbs the difference in voxels, so that the sum stays. Tables that
-/// repeat a class stay as they are.
+/// Half of the time the empty class absorbs the difference in voxels. Tables that repeat a class stay.
 void mutate_classes(Directory& d, Random& random) {
   std::vector<ClassRow> rows;
   for (ClassId c = 0; c < d.classes.size(); ++c) {

@@ -1,5 +1,4 @@
-// Fuzz target: selection text, on a graph with difficult names.
-// Input: the text.
+// Fuzz target: selection text, on a graph with difficult names. Input: the text.
 #include <array>
 #include <string>
 

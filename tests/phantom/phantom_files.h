@@ -8,8 +8,7 @@
 namespace splatlas::phantom {
 
 /// Writes labels.nrrd, volume.nrrd (uint8, raw, LPS, 1 mm), names.txt and phantom.tree into `folder`, which
-/// is created if missing. Uses plain streams, so that no library tests its own output. kFailed names a file
-/// that could not be written.
+/// is created if missing. By plain streams: no library tests its own output. kFailed names the file.
 [[nodiscard]] Result<void> write_files(const std::filesystem::path& folder);
 
 }  // namespace splatlas::phantom

@@ -52,8 +52,7 @@ inline constexpr std::uint64_t kEmptyVoxels = 27722;
   return 0;
 }
 
-/// The grey value at a voxel: 250 at a ball's centre, falling with the square of the distance to 100 at its
-/// radius; 0 outside.
+/// Grey value of a voxel: 250 at a ball's centre, falling with the squared distance to 100 at its edge; or 0.
 [[nodiscard]] constexpr std::uint8_t value_at(int i, int j, int k) {
   for (const Ball& ball : kBalls) {
     if (ball.holds(i, j, k)) {

@@ -52,6 +52,7 @@ TEST(CameraMovesTest, ZoomHasLimits) {
 TEST(CameraMovesTest, NoElevationGoesTheWrongWay) {
   EXPECT_EQ(turned(Camera{.elevation_deg = 120}, 10, 5).elevation_deg, 120);
   EXPECT_EQ(turned(Camera{.elevation_deg = 120}, 10, -5).elevation_deg, 115);
+  EXPECT_EQ(turned(Camera{.elevation_deg = -120}, 10, -5).elevation_deg, -120);
 }
 
 TEST(CameraMovesTest, MovingTakesThePointUnderThePointerAlong) {
@@ -84,6 +85,7 @@ TEST(CameraMovesTest, BoundingBoxesHoldTheSelectedVoxels) {
   EXPECT_EQ(of_a->first, (Vec3{11.5, 25, 29.75}));
   EXPECT_EQ(of_a->second, (Vec3{12.5, 27, 31.75}));
   const auto of_all = bounding_box(*atlas, selection_of("*:surface", atlas->graph()));
+  ASSERT_TRUE(of_all);
   EXPECT_EQ(of_all->second, (Vec3{17.5, 37, 34.75}));
   EXPECT_FALSE(bounding_box(*atlas, Selection{}));
 }

@@ -175,6 +175,33 @@ TEST(Cuts, ShowTheKeptSideBetweenVoxels) {
   EXPECT_EQ(middle_pixel(render_or_throw(renderer, Camera::of(NamedView::kRight), options))[0], 1);
 }
 
+/// The surface of "m" is all of an octahedron without voxels. Those of "v" beside the plane have weight 0.
+TEST(Cuts, HaveNoFaceWhereNoVoxelShowsAStructure) {
+  TestVolume volume;
+  volume.grid.size = {9, 9, 9};
+  volume.structures.push_back({"v", box_mask(volume.grid.size, {0, 0, 5}, {8, 8, 8})});
+  volume.structures.push_back({"m", box_mask(volume.grid.size, {0, 0, 0}, {0, 0, 0})});
+  AtlasContent content = make_content(volume);
+  SurfaceMesh& mesh = content.surfaces[1];
+  mesh = {};
+  for (std::size_t n = 0; n < 6; ++n) {
+    std::array<float, 3> outwards{};
+    outwards[n / 2] = n % 2 == 0 ? -1.0f : 1.0f;
+    mesh.normals_lps.push_back(outwards);
+    for (float& index : outwards) index = 4 + 3 * index;
+    mesh.positions_ijk.push_back(outwards);
+  }
+  mesh.triangles = {{0, 4, 2}, {4, 1, 2}, {1, 5, 2}, {5, 0, 2}, {4, 0, 3}, {1, 4, 3}, {5, 1, 3}, {0, 5, 3}};
+  Renderer renderer = renderer_of(content, selection_of("*:surface", content.graph));
+  RenderOptions options{.size = {40, 40}, .cuts = cuts_of({{{0, 0, 1}, 4}})};
+  const auto picture = [&](CapMode caps) {
+    options.caps = caps;
+    return render_or_throw(renderer, Camera::of(NamedView::kSuperior), options);
+  };
+  EXPECT_EQ(middle_pixel(picture(CapMode::kValues))[3], 1);
+  EXPECT_EQ(picture(CapMode::kValues).rgba, picture(CapMode::kNone).rgba);
+}
+
 /// They meet far beyond the range of pixel numbers.
 TEST(Cuts, ShowTheRearOneOfNearlyParallelPlanes) {
   const AtlasContent content = halves();

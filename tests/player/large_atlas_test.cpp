@@ -71,8 +71,7 @@ ClassRuns shifted(ClassRuns runs, const Index3& size, Axis axis) {
   return runs;
 }
 
-/// Embeds the small atlas in the large grid. Values come first, so that all other sections follow the hole:
-/// zeros outside of structures.
+/// Embeds the small atlas in the large grid. Values come first, and all other sections follow the hole.
 class LargeFile {
  public:
   LargeFile(const Bytes& small_file, const std::filesystem::path& path)

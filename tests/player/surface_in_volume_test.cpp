@@ -150,8 +150,7 @@ void expect_everywhere(const Picture& picture, const std::array<double, 4>& expe
   }
 }
 
-/// The closed form from all directions. `front_to_back` and `back_to_front`: the planes in the order of rays
-/// along y and against it.
+/// The closed form from all directions. `front_to_back`, `back_to_front`: the planes along y and against it.
 void expect_closed_form(const std::vector<Plane>& planes, const std::vector<std::size_t>& front_to_back,
                         const std::vector<std::size_t>& back_to_front,
                         const std::vector<Quality>& qualities = {Quality::kNormal},

@@ -112,8 +112,7 @@ inline Image random_volume(const Grid& grid, VoxelType type, std::mt19937& rando
   return image;
 }
 
-/// Labels 0 to 3 in clusters; the third is the maximum of the type below 2^24, which floats represent
-/// exactly.
+/// Labels 0 to 3 in clusters; the third is the type's maximum below 2^24, which floats represent exactly.
 inline Image random_labels(const Grid& grid, VoxelType type, std::mt19937& random) {
   Image image = zeros(grid, type);
   visit_voxel_type(type, [&]<typename T>(T) {

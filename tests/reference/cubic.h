@@ -38,8 +38,7 @@ struct Node {
 };
 
 /// Radiance of the part [t0, t1] of a ray segment of `length_mm` with cubic extinction and smooth
-/// emission(t). The optical depth is exact. The colour is integrated by quadrature over optical depths of at
-/// most 1/4.
+/// emission(t). The optical depth is exact. The colour is a quadrature over optical depths up to 1/4.
 template <typename Nodes, typename Emission>
 RayRadiance integrate(const Nodes& nodes, const Cubic& extinction, const Emission& emission, double t0,
                       double t1, double length_mm) {

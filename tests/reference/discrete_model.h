@@ -1,5 +1,4 @@
-// Discrete model of the sheet renderer in double precision: slabs of constant optical properties and a sheet
-// of finite resolution.
+// Discrete model of the sheet renderer in double precision: slabs of constant optics, a finite sheet.
 // A difference between picture and model beyond float rounding is a fault. A difference between model and
 // ground truth is the error of the method.
 #pragma once

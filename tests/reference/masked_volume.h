@@ -15,8 +15,7 @@ namespace splatlas::reference {
 struct MaskedVolume {
   Grid grid;
   std::vector<std::uint8_t> greys;
-  /// Per voxel, the PackedNormal of a lit voxel, kUnlit, or kOutside the selection: for hybrid shading. Empty
-  /// if the voxels have no normals.
+  /// Per voxel, the PackedNormal of a lit voxel, kUnlit, or kOutside the selection. Empty without normals.
   std::vector<std::int32_t> normals = {};
   std::vector<double> lit = {};  ///< share of a lit voxel's emission that depends on the normal; empty: all
   static constexpr std::int32_t kUnlit = -1, kOutside = -2;
@@ -27,8 +26,7 @@ struct MaskedVolume {
   }
 };
 
-/// The voxels selected as volume, with the normals of the content, if any. kFailed if the atlas has no 8-bit
-/// grey values.
+/// The voxels selected as volume, with their normals, if any. kFailed: no 8-bit grey values.
 [[nodiscard]] Result<MaskedVolume> masked_volume(const AtlasContent& content, const Selection& selection);
 
 /// Extinction and colour as functions of the grey value: piecewise linear between knots, constant outside.

@@ -48,8 +48,7 @@ void for_each_corner(const Vec3& index, const Visit& visit) {
 /// The n-th grey value.
 [[nodiscard]] double value_of(const VoxelBuffer& values, std::size_t n);
 
-/// One entry per voxel of the storage grid. Voxels not selected as volume have zero extinction and emission,
-/// as in a masked copy.
+/// One entry per voxel of the storage grid. Those not selected as volume have no extinction and emission.
 struct OpticalField {
   Grid grid;
   std::vector<VoxelOptics> voxels;
@@ -75,8 +74,7 @@ using ShareChannels = std::array<StructureIndex, 3>;
   return {opacity * color[0], opacity * color[1], opacity * color[2], opacity};
 }
 
-/// `hybrid_shading`: lights boundary voxels by their normals, for `view`. `shares`: emits shares instead of
-/// colours, unlit.
+/// `hybrid_shading`: lights boundary voxels by their normals. `shares`: emits shares, not colours; unlit.
 [[nodiscard]] OpticalField optical_field(const AtlasContent& content, const Selection& selection,
                                          const ParallelView& view, bool hybrid_shading,
                                          const std::optional<ShareChannels>& shares = std::nullopt);

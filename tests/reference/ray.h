@@ -10,8 +10,7 @@ namespace splatlas::reference {
 
 [[nodiscard]] Vec3 minus(const Vec3& a, const Vec3& b);
 
-/// A ray in continuous voxel indices: index(s) = start + s * per_mm, with s in mm away from the viewer. The
-/// plane of the picture centre has s = 0.
+/// A ray in voxel indices: index(s) = start + s * per_mm, s in mm behind the plane of the picture centre.
 struct Ray {
   Vec3 start{0, 0, 0};
   Vec3 per_mm{0, 0, 0};

@@ -60,8 +60,7 @@ class ReferenceCut {
   [[nodiscard]] double share_of_face(const Index3& voxel, StructureIndex s) const;
   /// By structure: those whose surfaces cross the plane in closed lines.
   [[nodiscard]] std::vector<bool> outlined(const IndexPlane& plane) const;
-  /// The last of the outlined structures that encloses a point of the plane, by the winding number of a ray
-  /// in the plane.
+  /// The last outlined structure that encloses a point of the plane, by the winding number of a ray in it.
   [[nodiscard]] std::optional<StructureIndex> solid_at(const Vec3& index, const IndexPlane& plane,
                                                        const std::vector<bool>& outlined) const;
   /// True if a face of `a` hides one of `b`.

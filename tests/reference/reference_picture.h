@@ -26,8 +26,7 @@ struct ReferenceScene {
   RenderOptions options{};
 };
 
-/// Ground truth: the trilinear field of the selected voxels along the ray of each pixel centre, with every
-/// surface at its crossing.
+/// Ground truth: the trilinear field along the ray of each pixel centre, with all surfaces it crosses.
 [[nodiscard]] ReferencePicture render_truth(const ReferenceScene& scene);
 /// Ground truth averaged over a grid of rays in each pixel.
 [[nodiscard]] ReferencePicture render_mean_truth(const ReferenceScene& scene, int columns, int rows);

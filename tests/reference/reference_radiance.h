@@ -15,8 +15,7 @@ namespace splatlas::reference {
 /// The transfer function at a grey value; not-a-number maps to the first point.
 [[nodiscard]] TransferValue transfer(const TransferCurve& curve, double grey, double reference_length_mm);
 
-/// Diffuse shading of a voxel by the light over the left shoulder of the viewer. The sign of the normal does
-/// not matter.
+/// Diffuse shading of a voxel, lit over the viewer's left shoulder. The normal's sign does not matter.
 [[nodiscard]] double diffuse(const ParallelView& view, const Vec3& normal_lps);
 /// Shading of a surface. The normal belongs to the visible side.
 [[nodiscard]] std::array<double, 3> shade_surface(const ParallelView& view,

@@ -25,12 +25,10 @@ struct Crossing {
 };
 
 /// True if a ray meets the front of a triangle: the geometric normal, on the side of the vertex normals,
-/// points against it. Also true if the vertex normals are ambiguous. Of surfaces derived from voxels, corners
-/// are counter-clockwise on the front.
+/// points against it, or its vertex normals are ambiguous. Derived ones are counter-clockwise in front.
 [[nodiscard]] bool meets_front(const SurfaceMesh& mesh, const std::array<Vec3, 3>& corners_lps,
                                const std::array<Vec3, 3>& normals_lps, const Vec3& along_lps);
-/// Sets the colour of a crossing, given its structure, its side, the normals of the triangle's corners and
-/// their weights.
+/// Sets the colour of a crossing, by its structure, its side, and the weighted normals of the corners.
 void shade(Crossing& crossing, const ParallelView& view, const Selection& selection,
            const std::array<Vec3, 3>& normals_lps, const std::array<double, 3>& weights);
 /// Sorts front to back up to the first opaque crossing; of the crossings of a hull, only the first stays. Of
@@ -52,8 +50,7 @@ class SurfacesInView {
 
   /// All crossings of the ray through picture coordinates (x, y) within the picture, front to back up to the
   /// first opaque one. A point on an edge counts as slightly right of and below it. Of coincident surfaces,
-  /// those that the ray leaves come first. `kept`: part of the ray in which they count. Cost: all triangles
-  /// in the row of the picture.
+  /// those that the ray leaves come first. `kept`: part of the ray in which they count. Cost: all triangles.
   [[nodiscard]] std::vector<Crossing> crossings(double x, double y,
                                                 const RayInterval& kept = kWholeRay) const;
 

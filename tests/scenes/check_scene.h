@@ -39,8 +39,7 @@ struct SceneReport {
 ///   - early ray termination: no value changes by more than the threshold;
 ///   - depth cue: colours darken by at most its strength, opacities stay;
 ///   - sheets: the discrete model to float rounding; antialiased pixels: the mean of the model's samples;
-///   - rays at high quality, one a pixel: the reference, with surfaces in order with the volume, to 1/255
-///   RMS.
+///   - rays at high quality, one a pixel: the reference, surfaces in order with the volume, to 1/255 RMS.
 ///     Where huge grey values turn transfer functions into steps: to 4/255, without the worst pixel in fifty.
 ///     Antialiasing changes no volume.
 [[nodiscard]] SceneReport check_scene(const RandomScene& scene, const SceneChecks& checks);

@@ -137,8 +137,7 @@ class IdChecker {
 ///   - pictures with and without them: equal bits;
 ///   - ids and depths of 1, 2 and 8 threads: equal;
 ///   - pixels below the threshold of opacity: no number and no depth;
-///   - at high quality, one ray a pixel: each pixel's share along the exact ray is at least the largest one
-///     less 1e-3.
+///   - at high quality, one ray a pixel: each pixel's share on the exact ray is the largest, to 1e-3.
 IdReport check_ids(const RandomScene& scene) {
   return IdChecker(scene).run();
 }

@@ -19,8 +19,7 @@ namespace splatlas {
 
 class RayTruth {
  public:
-  /// Keeps a reference to `scene`. Post-classified volumes are unlit. `shares`: shares of structures instead
-  /// of colours.
+  /// Refers to `scene`. Post-classified volumes are unlit. `shares`: those of structures, not colours.
   RayTruth(const RandomScene& scene, bool hybrid_shading,
            const std::optional<reference::ShareChannels>& shares = std::nullopt)
       : scene_(scene),

@@ -8,8 +8,7 @@
 
 namespace splatlas {
 
-/// Fills the empty classes and class volume of the content, in storage order. `members_of(index)` gives the
-/// memberships of a voxel.
+/// Fills the empty classes and class volume, in storage order. `members_of(index)`: memberships of a voxel.
 template <typename MembersOf>
 void fill_classes(AtlasContent& content, const MembersOf& members_of) {
   ClassTable classes;

@@ -6,8 +6,7 @@
 
 namespace splatlas {
 
-/// Replaces the surface and normals of a structure with voxels by those that readers derive from them, as
-/// preprocess does.
+/// Replaces surface and normals of a structure with voxels by those that readers derive, as preprocess does.
 inline void fit_parts(AtlasContent& content, StructureIndex s, SurfaceRule rule = SurfaceRule::kSmooth) {
   const Grid grid = storage_grid(content);
   const StructureClasses held(content.classes, content.graph.size());

@@ -1,5 +1,4 @@
-// Leaks of libraries, for LeakSanitizer: ITK's NRRD reader drops its buffers when a read fails, and Pango
-// keeps fontconfig's tables.
+// Leaks of libraries, for LeakSanitizer: buffers of ITK's NRRD reader, and tables of fontconfig in Pango.
 
 /// Called by the sanitizer's shared library, so it must be visible there.
 extern "C" [[gnu::visibility("default")]] const char* __lsan_default_suppressions();

@@ -11,8 +11,7 @@ namespace splatlas {
 /// Bytes of the pages of the file in the page cache; the last page counts to the end of the file.
 [[nodiscard]] Result<std::uint64_t> resident_bytes(const std::filesystem::path& path);
 
-/// Drops the pages of a file from the page cache, after writing dirty ones. kFailed if some stay: the file is
-/// mapped, or its file system has no disk.
+/// Drops the pages of a file from the page cache, dirty ones written. kFailed if some stay, as if mapped.
 [[nodiscard]] Result<void> evict(const std::filesystem::path& path);
 
 }  // namespace splatlas

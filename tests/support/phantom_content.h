@@ -19,8 +19,7 @@ enum Index : StructureIndex { kSpheres, kLarge, kSphere1, kSphere2 };
                    });
 }
 
-/// Two roots, Spheres/{Sphere_1, Sphere_2} and Large/Sphere_1, over the phantom's 32x32x32 voxels of 1 mm;
-/// voxel (i, j, k) is at (i, j, k) mm LPS.
+/// Two roots, Spheres/{Sphere_1, Sphere_2} and Large/Sphere_1, over 32x32x32 voxels at (i, j, k) mm LPS.
 [[nodiscard]] inline AtlasContent phantom_content() {
   TestVolume volume;
   volume.grid.size = {phantom::kSize, phantom::kSize, phantom::kSize};

@@ -12,8 +12,7 @@
 namespace splatlas {
 namespace {
 
-/// Makes one scene. Derives numbers from the bits of the generator, as standard distributions differ between
-/// implementations.
+/// Makes one scene, by the bits of the generator: standard distributions differ between implementations.
 class SceneMaker {
  public:
   SceneMaker(std::mt19937 random, std::int64_t max_side) : random_(random), max_side_(max_side) {}

@@ -19,8 +19,7 @@ struct ProgramResult {
 };
 
 /// Runs `words[0]` with the other words as arguments, without a shell, in `folder`. `meanwhile` is called
-/// with the process id before the process is waited for. `before` is called in the child process, right
-/// before exec.
+/// with the process id before it is waited for. `before` is called in the child, right before exec.
 [[nodiscard]] ProgramResult run_program(const std::vector<std::string>& words,
                                         const std::filesystem::path& folder = std::filesystem::current_path(),
                                         const std::function<void(int)>& meanwhile = {},

@@ -34,8 +34,7 @@ class LinearLight {
   std::array<float, kSteps + 1> table_{};
 };
 
-/// Paints the faces of a style: its colour, darkened or mixed with white to the luminance (Rec. 709) of the
-/// grey value.
+/// Paints the faces of a style: its colour, darkened or whitened to the grey value's luminance (Rec. 709).
 struct FacePaint {
   const FaceStyle* style;
   bool is_flat;

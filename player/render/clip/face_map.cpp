@@ -227,7 +227,7 @@ FaceMap::Cell FaceMap::cell_at(std::int64_t a, std::int64_t b, std::int64_t c) c
   return cell;
 }
 
-FaceSample FaceMap::between(const Cell& cell, double in_a, double in_b, double in_c) const {
+std::optional<FaceSample> FaceMap::between(const Cell& cell, double in_a, double in_b, double in_c) const {
   const auto a1 = static_cast<float>(in_a), b1 = static_cast<float>(in_b), c1 = static_cast<float>(in_c);
   const float of_column[4] = {(1 - b1) * (1 - c1), b1 * (1 - c1), (1 - b1) * c1, b1 * c1};
   std::array<float, 8> shares{};
@@ -239,9 +239,10 @@ FaceSample FaceMap::between(const Cell& cell, double in_a, double in_b, double i
     grey += weight * cell.texels[n]->grey;
     if (cell.faces[n] != nullptr) own += shares[n] = weight * cell.texels[n]->share;
   }
-  if (sum > 0) grey /= sum;
+  if (!(sum > 0)) return std::nullopt;
+  grey /= sum;
   const FaceStyle* largest = cell.faces[nearest(in_a, in_b, in_c)];
-  if (own < 0.5 - kTie || (own <= 0.5 + kTie && largest == nullptr)) return {nullptr, grey};
+  if (own < 0.5 - kTie || (own <= 0.5 + kTie && largest == nullptr)) return FaceSample{nullptr, grey};
   const auto share_of = [&](const FaceStyle* face) {
     float share = 0;
     for (std::size_t n = 0; n < 8; ++n) {
@@ -257,7 +258,7 @@ FaceSample FaceMap::between(const Cell& cell, double in_a, double in_b, double i
       largest_share = share;
     }
   }
-  return {largest, grey};
+  return FaceSample{largest, grey};
 }
 
 Result<FaceMap> FaceMap::build(const VoxelPlane& plane, const FaceScene& scene, ThreadPool& pool) {

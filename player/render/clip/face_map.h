@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -156,16 +157,17 @@ class FaceMap {
     std::array<const Texel*, 8> texels{};
     std::array<const FaceStyle*, 8> faces{};  // apart from solids with outlines
     bool is_empty = true;                     // no voxel has a face
-    bool is_plain = false;                    // `faces` is the same for all points
+    bool is_plain = false;                    // they have one face, or none apart from outlines
     bool is_whole = false;                    // all voxels have whole faces
     SolidOutlines::Cell outlines;
   };
   [[nodiscard]] Cell cell_at(std::int64_t a, std::int64_t b, std::int64_t c) const;
   /// `cell`: of the last point, or an empty one; becomes that of this point.
   [[nodiscard]] FaceSample at_inside(double b, double c, Cell& cell) const;
-  /// The face and grey value at a place of a cell, from 0 to 1 along a, b and c, without outlines. Of faces
-  /// with equal shares, that of the nearest voxel.
-  [[nodiscard]] FaceSample between(const Cell& cell, double in_a, double in_b, double in_c) const;
+  /// The face and grey value at a place of a cell, from 0 to 1 along a, b and c, without outlines; none where
+  /// no voxel shows a structure. Of faces with equal shares, that of the nearest voxel.
+  [[nodiscard]] std::optional<FaceSample> between(const Cell& cell, double in_a, double in_b,
+                                                  double in_c) const;
   [[nodiscard]] std::size_t nearest(double in_a, double in_b, double in_c) const {
     return (in_a + to_kept_ >= 0.5 ? 1u : 0u) + (in_b >= 0.5 ? 2u : 0u) + (in_c >= 0.5 ? 4u : 0u);
   }
@@ -216,7 +218,9 @@ inline FaceSample FaceMap::at_inside(double b, double c, Cell& cell) const {
     };
     sample = {cell.faces[0], mix(mix(grey(0), grey(2), in_b), mix(grey(4), grey(6), in_b), in_c)};
   } else {
-    sample = between(cell, in_a, in_b, in_c);
+    const std::optional<FaceSample> mixed = between(cell, in_a, in_b, in_c);
+    if (!mixed) return {};
+    sample = *mixed;
   }
   if (solids_.empty()) return sample;
   if (const std::uint32_t solid = outlines_.at(cell.outlines, b, c); solid != SolidOutlines::kNone) {

@@ -171,7 +171,7 @@ Result<void> FrameRenderer::run(std::size_t volume_loops, TaskControl& task, Pic
 }
 
 /// Converts a depth into voxels of the volume's level.
-auto FrameRenderer::in_volume() const {
+auto FrameRenderer::depth_converter() const {
   const double scale = std::ldexp(1.0, -level()), offset = raster_->depth_sign * (scale - 1) / 2;
   return [=](float depth) { return static_cast<float>(scale * static_cast<double>(depth) + offset); };
 }
@@ -192,7 +192,7 @@ Result<void> FrameRenderer::begin_surfaces(Picture& picture) {
                                   ends_at_surfaces() ? &buffers_.surface_depths : nullptr, pool_));
     if (ends_at_surfaces() && level() > 0)
       std::transform(buffers_.surface_depths.begin(), buffers_.surface_depths.end(),
-                     buffers_.surface_depths.begin(), in_volume());
+                     buffers_.surface_depths.begin(), depth_converter());
   }
   stats_.rasterize = watch.lap();
   return {};
@@ -215,8 +215,8 @@ Result<void> FrameRenderer::draw_region(const PixelBox& region, Picture& picture
       const ViewDepth view_depth(scene_.view, scene_.grid);
       add_surface_depths(buffers_.fragments, shown(), view_depth, buffers_.depths, pool_);
     }
-    const auto depth_in_volume = in_volume();
-    for (Fragment& fragment : buffers_.fragments.fragments) fragment.depth = depth_in_volume(fragment.depth);
+    const auto converted = depth_converter();
+    for (Fragment& fragment : buffers_.fragments.fragments) fragment.depth = converted(fragment.depth);
   }
   stats_.rasterize += watch.lap();
   return resolve(region, picture);

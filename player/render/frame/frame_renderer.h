@@ -163,7 +163,7 @@ class FrameRenderer {
  private:
   [[nodiscard]] Result<void> begin_surfaces(Picture& picture);
   [[nodiscard]] Result<void> draw_region(const PixelBox& region, Picture& picture);
-  [[nodiscard]] auto in_volume() const;
+  [[nodiscard]] auto depth_converter() const;
   void finish_depths(Picture& picture);
 
   std::optional<CutRays> cuts_;

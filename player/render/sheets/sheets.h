@@ -31,8 +31,7 @@ struct SheetSurfaces {
 /// may stop at a transmittance of `termination_threshold`. Bands of rows are independent and run in parallel;
 /// the result does not depend on the number of threads. The planes of a cut clip the slabs (ClipSlabs).
 /// Returns the number of splatted voxels, each counted once but for those at borders of strips; with a cut,
-/// of spans that are not removed as a whole. Cost: visible voxels * scale^2 * parts, plus fragments and
-/// pixels of the window.
+/// of spans that are not removed as a whole. Cost: visible voxels * scale^2 * parts, fragments and pixels.
 [[nodiscard]] std::uint64_t render_sheets(const SheetSpans& spans, const Shear& shear,
                                           const SheetWindow& window, const SplatKernels& kernels,
                                           float termination_threshold, std::span<const VoxelPlane> planes,

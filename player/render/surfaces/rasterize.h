@@ -44,7 +44,7 @@ class Rasterizer {
   /// Draws surfaces in the whole picture, without a volume between them: composites fragments and faces of
   /// each sample, and replaces the picture by the means of the samples. `depths`: for a volume in front of
   /// opaque surfaces, with faces around both: faces are not painted, and it receives the depth of each
-  /// pixel's surface or opaque front face, or infinity; null: no volume. The limit is that of a tile.
+  /// pixel's surface or opaque front face, or infinity; null: no volume. The limit is for each tile.
   [[nodiscard]] Result<std::uint64_t> paint(const RasterScene& scene, const RasterOptions& options,
                                             Picture& picture, std::vector<float>* depths, ThreadPool& pool);
 

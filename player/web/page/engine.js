@@ -212,7 +212,7 @@ class Engine {
       if (message.serial !== this.#fit?.serial) return undefined;
       return message.type === 'fitted' ? this.#fit.resolve(message.camera) : this.#fit.reject(new Error(message.message));
     }
-    if (message.type === 'cancelled') return message.serial === this.#serial && this.#refineSoon(true);
+    if (message.type === 'cancelled') return message.serial === this.#serial && (this.#asked = 0, this.#refineSoon());
     if (message.type === 'error' && message.of !== 'draw') return this.#handlers.told(message.message, message.of);
     if (message.serial !== this.#serial) {
       // Drafts of a drag are shown although a newer one is asked for; old refinements are not
@@ -242,9 +242,9 @@ class Engine {
     }
   }
 
-  #refineSoon(isAgain = false) {  // again: a draft of the same state has ended its refinement
+  #refineSoon() {
     clearTimeout(this.#timer);
-    if (this.#asked === this.#serial && !isAgain) return;
+    if (this.#asked === this.#serial) return;
     const [serial, state] = [this.#serial, this.#state];
     this.#timer = setTimeout(() => {
       this.#asked = serial;

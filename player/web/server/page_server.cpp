@@ -112,7 +112,7 @@ void on_end(void* /*closure*/, MHD_Connection* /*connection*/, void** state,
 }
 
 /// Two numbers, the text in whole words, and the pixels in runs: the number of transparent ones, the number
-/// of others, and these. Browsers take two milliseconds for a megabyte.
+/// of others, and these. Browsers receive a megabyte in 2 to 3 ms.
 HttpAnswer answer_of(const PageAnswer& answer, const Picture& picture) {
   using Words = std::vector<std::uint32_t>;
   const std::size_t letters = answer.text.size();
@@ -303,6 +303,7 @@ struct PageServer::Impl {
     const std::scoped_lock lock(mutex);
     stop_all(open.at(id));
     open.erase(id);
+    malloc_trim(0);
     if (open.empty()) left = Clock::now();
   }
 

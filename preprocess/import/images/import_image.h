@@ -61,7 +61,7 @@ struct Image {
 /// Of every layer, the voxels of `source` that lie nearest to the voxels of `grid`; 0 beyond `source`.
 [[nodiscard]] VoxelBuffer resample_nearest(const VoxelBuffer& voxels, const Grid& source, const Grid& grid);
 
-/// Trilinear values at the voxels of `grid`, rounded for integers; the least one beyond it. Uses all cores.
+/// Trilinear values at the voxels of `grid`, rounded for integers; beyond the image its least. On all cores.
 [[nodiscard]] VoxelBuffer resample_linear(const Image& image, const Grid& grid);
 
 /// Fraction of the voxels of `grid` that lie within `other`, estimated on a lattice of 32^3 points.

@@ -72,7 +72,7 @@ struct MeshSource {
   std::optional<Rgb> color = {};
 };
 
-/// Parses NAME=FILE or FOLDER, [,frame=ras|lps][,transform=FILE][,scale=S][,color=#rrggbb]; else kUsage.
+/// Parses NAME=FILE_OR_FOLDER[,frame=ras|lps][,transform=FILE][,scale=S][,color=#rrggbb]; else kUsage.
 [[nodiscard]] Result<MeshSource> parse_mesh(std::string_view text);
 
 /// The surface itself; or those of a folder, called as their files, sorted. kFailed if there is none.

@@ -270,8 +270,7 @@ class Trial {
   [[nodiscard]] const Tally& tally() const { return tally_; }
 
  private:
-  /// True if memory in use grows with each run. A single growth is not a leak: each thread keeps a
-  /// compressor.
+  /// True if memory in use grows with each run. One growth is no leak: each thread keeps a compressor.
   [[nodiscard]] bool leaks(std::uint64_t number, bool lasting) {
     constexpr int kTimes = 3;
     int times = 0;

@@ -166,8 +166,7 @@ void adopt_orphans() {
   ::prctl(PR_SET_CHILD_SUBREAPER, 1);
 }
 
-/// Runs `kind.import` on a file or folder. A violation: the process crashes or hangs, or leaves a process or
-/// an open file behind.
+/// Runs `kind.import`. A violation: a crash, a hang, or a process or an open file that is left behind.
 ImportRun run_import(const ImportKind& kind, const fs::path& path) {
   constexpr int kHangs = 200;  // seconds
   const auto begun = std::chrono::steady_clock::now();

@@ -14,8 +14,7 @@ struct Mutant {
 /// A mutant of `bytes` of a random kind. Most changes are near the start, where headers are.
 [[nodiscard]] Mutant mutate(const std::string& bytes, std::mt19937& random);
 
-/// The same of the content of a gzip file, packed again. Files without gzip, and those of more than 16 MiB
-/// inside, are mutated as they are.
+/// The same of the content of a gzip file, packed again, up to 16 MiB; others are mutated as they are.
 [[nodiscard]] Mutant mutate_inflated(const std::string& bytes, std::mt19937& random);
 
 }  // namespace splatlas

@@ -30,8 +30,7 @@ TEST(WeightFit, FindsTheWeightsThatValuesWereMadeOf) {
 }
 
 TEST(WeightFit, WhatCountsMoreWins) {
-  // Half of the voxels call for 1/2 of the first neighbour. The other half calls for 1/4, with a thousandth
-  // of the weight.
+  // Half of the voxels call for 1/2 of the first neighbour, the others for 1/4, a thousandth as strongly.
   std::mt19937 random(1);
   WeightFit fit;
   for (int n = 0; n < 1000; ++n) {

@@ -34,8 +34,7 @@ Mask mask_of(const Index3& size, const Holds& holds) {
   return mask;
 }
 
-/// The crop of the whole grid, with the parts of the definition: a held voxel is boundary if one of its 18
-/// neighbours is not held.
+/// The crop of the whole grid: a held voxel is boundary if one of its 18 neighbours is not held.
 inline StructureCrop crop_of(const Mask& mask) {
   StructureCrop crop = empty_crop({{0, 0, 0}, {mask.size[0] - 1, mask.size[1] - 1, mask.size[2] - 1}});
   for (std::int64_t k = 0; k < mask.size[2]; ++k) {

@@ -144,8 +144,7 @@ TEST(Smooth, BallsAreRound) {
   }
 }
 
-/// Between two parallel planes across a unit direction, `thickness` apart; vertices near the border of the
-/// grid do not count.
+/// Between two parallel planes across a unit direction, `thickness` apart; without vertices near the border.
 Errors plate_errors(Vec3 across, double thickness, const Vec3& middle = {39.6, 39.3, 39.45}) {
   const double length = std::hypot(across[0], across[1], across[2]);
   for (double& x : across) x /= length;

@@ -35,8 +35,7 @@ TEST(Golden, FilesHoldWhatTheyHeld) {
   EXPECT_EQ(files, golden_contents().size());
 }
 
-/// Golden files of this version can be written at any time: contents survive a round trip, and their texts,
-/// shortened, hold what they held.
+/// Golden files of this version can be written at any time: contents survive, and texts say what they did.
 TEST(Golden, ContentsComeBackAsTheyWere) {
   const std::string good = content_text(golden_contents().front().content);
   for (const GoldenContent& golden : golden_contents()) {

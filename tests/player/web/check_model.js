@@ -69,3 +69,29 @@ ordered.renumber(ordered.info.scenes.splice(0, 2, ...[...lesson.info.scenes].rev
 assert.deepStrictEqual([ordered.state.scene, ordered.step('undo', 'second'), ordered.state.scene], [0, 'first', 1]);
 ordered.renumber([ordered.info.scenes.shift(), ...ordered.info.scenes]);
 assert.deepStrictEqual([ordered.state.scene, ordered.step('redo', 'first'), ordered.state.scene], [0, 'second', null]);
+
+// A draft that comes late ends the refinement of its state, which is asked for again, whatever comes first.
+async function refinesAgain() {
+  const [workers, asked] = [[], []];
+  let due = null;
+  class Worker {
+    constructor() { workers.push(this); }
+    postMessage({type, quality}) { if (type === 'draw') asked.push(quality); }
+  }
+  const world = {
+    Worker, document: {getElementById: () => ({dataset: {served: ''}, textContent: ''})}, location: {}, history: {replaceState() {}},
+    EventSource: class { constructor() { setImmediate(() => this.onopen()); } }, navigator: {}, crypto: {randomUUID() {}},
+    URL: {createObjectURL() {}}, setTimeout: call => { due = call; }, clearTimeout: () => { due = null; }};
+  const Engine = new Function(...Object.keys(world), `${read('player/web/page/engine.js')}; return Engine;`)(...Object.values(world));
+  const engine = new Engine(new Proxy({}, {get: () => () => undefined}));
+  await engine.start();
+  const [drafts, refiner] = workers;
+  drafts.onmessage({data: {type: 'ready', info: {}}});
+  engine.show({select: 'Brain', camera: {}});
+  due();
+  refiner.onmessage({data: {type: 'cancelled', serial: 1}});
+  drafts.onmessage({data: {type: 'picture', serial: 1, quality: 'draft'}});
+  due();
+  assert.deepStrictEqual(asked, ['draft', 'normal', 'normal']);
+}
+refinesAgain();

@@ -136,8 +136,7 @@ void write_scenes(const std::filesystem::path& folder) {
   write_file(folder / "lesson.atlas", lesson.data(), lesson.size());
 }
 
-/// hostile/N.atlas: wrong contents with right checksums, as an attacker writes them. N.floats: the native
-/// picture, if one can be drawn whole.
+/// hostile/N.atlas: wrong contents with right checksums. N.floats: the native picture, if it is whole.
 void write_hostile(const std::filesystem::path& folder) {
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);

@@ -152,8 +152,7 @@ TEST(ExamineAtlas, FindsEachPlantedFaultWithItsPlace) {
   EXPECT_EQ(row.box_lps_mm, std::pair(Vec3{19, 3, 3}, Vec3{39, 35, 23}));
 }
 
-/// Partners of one colour, nested structures, large cavities, surfaces around structures, equal names in
-/// other groups.
+/// Partners of one colour, nested structures, large cavities, surfaces around structures, equal names.
 TEST(ExamineAtlas, FindsNothingInAnAtlasWithoutFaults) {
   Planted planted;
   const StructureIndex left = planted.add("Left", {}), right = planted.add("Right", {});

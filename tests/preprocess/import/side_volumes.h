@@ -1,5 +1,4 @@
-// Labelled volumes whose sides are known, and files of them, written byte by byte. Nothing here uses the
-// product's geometry.
+// Labelled volumes of known sides, and files of them, byte by byte, without the product's geometry.
 #pragma once
 
 #include <array>

@@ -21,7 +21,7 @@ namespace splatlas::HWY_NAMESPACE {
 
 constexpr std::size_t kSlabs = MarchGrid::kBrick;  // per batch
 
-/// A transfer function by reference: chooses its look-up at run time; derived types do when compiled.
+/// A transfer function by reference: chooses its look-up at run time; derived types, at compile time.
 class AnyTransfer {
  public:
   HWY_INLINE explicit AnyTransfer(const PreintegratedTransfer& transfer) : transfer_(transfer) {}

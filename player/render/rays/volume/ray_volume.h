@@ -175,7 +175,7 @@ class RayVolume {
   /// volume, which must be pre-classified. kLimit when out of address space. Cost: about 30 ns per voxel.
   [[nodiscard]] Result<RayVolume> means(const SelectedRuns& runs, int level, ThreadPool& pool) const;
 
-  /// True if the volume was built for these options.
+  /// True if the volume was built for these options, and not for walks alone.
   [[nodiscard]] bool fits(Classification classification, bool shade) const {
     return classification_ == classification && shade_ == shade && voxel_floats_ == kFour;
   }

@@ -32,7 +32,7 @@ struct CubicWalk {
 /// Warp kernels of one instruction set. They write `count` RGBA pixels. Thread-safe.
 struct WarpKernels {
   const char* name;
-  /// Interpolates the four neighbours of each position with sheet_weights(), in the sheet or its border.
+  /// Interpolates four neighbours by sheet_weights(). All positions must be in the sheet or its border.
   void (*warp)(const WarpWalk& walk, std::size_t count, float* out);
   /// Bicubic interpolation (Catmull and Rom 1974) of 4 x 4 sheet pixels; pixels outside the sheet are zero.
   /// Overshoot is clamped: 0 <= colour <= alpha <= 1.

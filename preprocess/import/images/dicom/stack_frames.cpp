@@ -52,8 +52,7 @@ std::vector<double> steps_of(const Positions& positions) {
   return steps;
 }
 
-/// In ascending order along the first frame's normal. Those within kSamePosition, or 5 % of the median step,
-/// are one.
+/// In ascending order along the first normal. Those within kSamePosition, or 5 % of the median step, are one.
 Positions slice_positions(const Frames& frames) {
   constexpr double kNear = 0.05;
   const Vec3 normal = normal_of(*frames.front());

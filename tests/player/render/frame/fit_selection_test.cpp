@@ -141,8 +141,7 @@ TEST(FitSelection, TouchesTheMarginsAndCrossesNone) {
   }
 }
 
-/// Points of the drawn content that the cuts keep: samples of the boxes up to the next voxels' centres, and
-/// of triangles.
+/// Points of the drawn content that the cuts keep: samples of the boxes of voxels, and of triangles.
 std::vector<Vec3> kept_points_lps(const Atlas& atlas, const Selection& selection, const CutPlanes& cuts) {
   static constexpr int kSteps = 6;
   const DrawPlan plan = atlas.tree().plan(selection);

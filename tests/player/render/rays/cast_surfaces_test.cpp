@@ -19,8 +19,7 @@
 namespace splatlas {
 namespace {
 
-/// Thick slices with an external surface, and a view along them but for seven degrees: rays run in the planes
-/// of voxels of the principal axis.
+/// Thick slices with an external surface, and a view along them but for 7 degrees: rays in planes of voxels.
 RandomScene thick_slices(const char* selection) {
   TestVolume volume;
   volume.grid = {.size = {40, 40, 4}, .spacing_mm = {1, 1, 10}};

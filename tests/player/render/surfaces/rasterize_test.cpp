@@ -136,8 +136,7 @@ TEST(Rasterize, CoversEachCentreOfAClosedSurfaceAnEvenNumberOfTimes) {
 }
 
 TEST(Rasterize, GivesCentresOnEdgesToTheTriangleBelowOrRightOfThem) {
-  // 8 by 6 pixels of 1 mm with centres at multiples of 1 mm: corners, the shared edge and all outer edges
-  // cross centres.
+  // 8 by 6 pixels of 1 mm, centres at whole mm: corners, the shared edge and all outer edges cross centres.
   const Drawing drawing{view_from(0, 0, {8, 6}, 1, {0.5, 0, 0.5})};
   const SurfaceMesh mesh = flat_mesh({{-2, -1}, {2, -1}, {2, 2}, {-2, 2}}, {{0, 1, 2}, {0, 2, 3}});
   const SurfaceDraw surface = translucent(mesh);
@@ -236,8 +235,7 @@ TEST(Rasterize, LightsTheSideOfATriangleThatIsSeenWhereverItsNormalsPoint) {
   }
 }
 
-/// Two structures share a face, triangulated along different diagonals. In every view the ray leaves one
-/// before it enters the other.
+/// Two structures share a face of different diagonals. Each ray leaves one before it enters the other.
 TEST(Rasterize, LeavesOneStructureBeforeItEntersTheNextWhereTheyTouch) {
   const auto face = [](bool other_diagonal, float normal_y) {
     SurfaceMesh mesh;

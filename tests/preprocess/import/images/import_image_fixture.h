@@ -15,8 +15,7 @@
 
 namespace splatlas {
 
-/// import_image() without a child, for long series: a child of a sanitized process takes tens of
-/// milliseconds.
+/// import_image() without a child, for long series: a sanitized child takes tens of milliseconds.
 inline Result<Image> import_image_here(const std::filesystem::path& path) {
   const ImageFormatEntry* const format = find_image_format(path);
   if (format == nullptr) return import_image(path);  // refuses it

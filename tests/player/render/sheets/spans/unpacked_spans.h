@@ -12,8 +12,7 @@
 
 namespace splatlas {
 
-/// Unpacks spans into a volume, lit by `factors` (light_rows()) unless they are empty, and checks their order
-/// and blocks.
+/// Unpacks spans into a volume, lit by `factors` (light_rows()) if any, and checks their order and blocks.
 inline std::vector<reference::VoxelOptics> unpacked(const SpanModel& model, const Grid& grid,
                                                     std::span<const float> factors = {}) {
   std::vector<reference::VoxelOptics> voxels(static_cast<std::size_t>(grid.voxels()));

@@ -36,8 +36,7 @@ struct TestSlice {
   std::string class_uid = kCtClass;
 };
 
-/// Gives each row one small value. DCMTK's JPEG-LS encoder writes beyond its buffer, which has the size of
-/// the pixels, if they do not get smaller.
+/// Gives each row one small value: DCMTK's JPEG-LS encoder overruns its buffer if pixels get no smaller.
 inline void make_compressible(TestSlice& slice) {
   for (std::size_t v = 0; v < slice.stored.size(); ++v)
     slice.stored[v] = static_cast<std::uint16_t>(3 + v / TestSlice::kColumns);
@@ -79,8 +78,7 @@ struct TestSegmentFrame {
   std::vector<std::uint16_t> values;
 };
 
-/// A segmentation of 7 x 5 pixels of 1 mm: frames of bits end within a byte. Descriptions and code meanings
-/// hold the word PLANTED.
+/// A segmentation of 7 x 5 pixels of 1 mm: frames of bits end within a byte. Texts hold the word PLANTED.
 struct TestSegmentation {
   static constexpr int kColumns = 7, kRows = 5;
   static constexpr std::size_t kPixels = std::size_t{kColumns} * kRows;
