@@ -120,14 +120,14 @@ void ClassCache::begin(std::span<const StructureIndex> drawn, std::uint64_t byte
 
 Result<void> ClassCache::reserve(std::span<const Missing> missing) {
   const auto voxels = static_cast<std::uint64_t>(atlas_->grid().voxels());
-  const auto lacks = [&](auto part) { return std::ranges::any_of(missing, part); };
-  if (values_.data() == nullptr && lacks(&Missing::values)) {
-    SPLATLAS_ASSIGN_OR_RETURN(values_, SparseBytes::reserve(voxels * value_bytes()));
-  }
-  if (lights_.data() == nullptr && lacks(&Missing::normals)) {
-    SPLATLAS_ASSIGN_OR_RETURN(lights_, SparseBytes::reserve(voxels * sizeof(VoxelLight)));
-  }
-  return {};
+  const auto reserve_part = [&](SparseBytes& bytes, std::uint64_t per_voxel, auto part) -> Result<void> {
+    if (bytes.data() != nullptr || !std::ranges::any_of(missing, part)) return {};
+    SPLATLAS_ASSIGN_OR_RETURN(bytes, SparseBytes::reserve(voxels * per_voxel));
+    if (bytes.size() >> 25 == 0) bytes.expect_dense(0, bytes.size());  // of more, air would fill them
+    return {};
+  };
+  SPLATLAS_RETURN_IF_ERROR(reserve_part(values_, value_bytes(), &Missing::values));
+  return reserve_part(lights_, sizeof(VoxelLight), &Missing::normals);
 }
 
 Result<void> ClassCache::require(std::span<const ClassId> classes, Axis axis, ThreadPool& pool,
