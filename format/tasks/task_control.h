@@ -47,8 +47,7 @@ class TaskControl {
   /// The task that this thread works on; null for none.
   [[nodiscard]] static TaskControl* current();
 
-  /// Work up to a fraction `end` of the task begins: the first `loops` loops take equal shares of it. Throws
-  /// as check_task().
+  /// Begins the work up to a fraction `end` of the task: `loops` equal shares. Throws as check_task().
   void begin_stage(double end, std::size_t loops = 1);
 
   void finish();

@@ -30,8 +30,7 @@ struct StructureComponent {
 [[nodiscard]] std::vector<StructureComponent> list_components(const MembershipVolume& memberships,
                                                               std::size_t structures);
 
-/// Calls take(voxel) for the face neighbours of `seed`, and of all voxels for which it returns true; also
-/// take(kBeyondGrid).
+/// Calls take(voxel or kBeyondGrid) for face neighbours of `seed`, and of all voxels for which it is true.
 inline constexpr std::size_t kBeyondGrid = static_cast<std::size_t>(-1);
 template <typename Take>
 void flood_voxels(const Index3& size, std::size_t seed, const Take& take) {

@@ -119,10 +119,13 @@ std::vector<RowRange> SpanBuilder::changed_rows(const SpanRequest& request, cons
   for (std::size_t n = 0; n < changed.size(); ++n) {
     const std::int64_t slice = model_.slices[n].number;
     if (slice < box.first[scan.slice_axis] || slice > box.last[scan.slice_axis]) continue;
-    const std::span<const ClassRun> runs = request.cache.runs(model_.axis).slice(slice);  // by row
-    const auto first = std::find_if(runs.begin(), runs.end(), differs);
-    if (first == runs.end()) continue;
-    changed[n] = {first->row, std::find_if(runs.rbegin(), runs.rend(), differs)->row + 1};
+    const auto runs = request.cache.runs(model_.axis).slice(slice);  // by row
+    const auto begin = std::ranges::lower_bound(runs, box.first[scan.row_axis], {}, &ClassRun::row);
+    const auto end = std::ranges::upper_bound(runs, box.last[scan.row_axis], {}, &ClassRun::row);
+    const auto first = std::find_if(begin, end, differs);
+    if (first == end) continue;
+    const auto last = std::find_if(std::reverse_iterator(end), std::reverse_iterator(first), differs);
+    changed[n] = {first->row, last->row + 1};
   }
   return changed;
 }

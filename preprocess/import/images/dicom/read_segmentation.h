@@ -23,8 +23,7 @@ namespace splatlas {
 /// first layer in which it overlaps none. Slices without a frame are empty. Structures have the segment's
 /// label, colour and codes: {"SNOMED", "23451007"}, {"modifier SNOMED", "7771000"}. A label that cannot be a
 /// name becomes "segment N", with a note. kFailed for damaged files, unknown kinds, and segment numbers that
-/// repeat or are not listed. Cost: each frame is decoded once; memory for the layers and the largest segment.
-/// One thread at a time.
+/// repeat or are not listed. Cost: frames are decoded once; memory of layers and a segment. One at a time.
 [[nodiscard]] Result<SourceImage> read_segmentation(SlicedStack stack, const std::filesystem::path& path);
 
 /// A segment of a file; "segment 7", with a note, if its label cannot be a name.
