@@ -120,10 +120,11 @@ void ClassCache::begin(std::span<const StructureIndex> drawn, std::uint64_t byte
 
 Result<void> ClassCache::reserve(std::span<const Missing> missing) {
   const auto voxels = static_cast<std::uint64_t>(atlas_->grid().voxels());
+  constexpr std::uint64_t kMaxDense = std::uint64_t{32} << 20;  // larger volumes are mostly air
   const auto reserve_part = [&](SparseBytes& bytes, std::uint64_t per_voxel, auto part) -> Result<void> {
     if (bytes.data() != nullptr || !std::ranges::any_of(missing, part)) return {};
     SPLATLAS_ASSIGN_OR_RETURN(bytes, SparseBytes::reserve(voxels * per_voxel));
-    if (bytes.size() >> 25 == 0) bytes.expect_dense(0, bytes.size());  // of more, air would fill them
+    if (bytes.size() <= kMaxDense) bytes.expect_dense();
     return {};
   };
   SPLATLAS_RETURN_IF_ERROR(reserve_part(values_, value_bytes(), &Missing::values));

@@ -1,6 +1,5 @@
 #include "player/render/decode/sparse_bytes.h"
 
-#include <algorithm>
 #include <limits>
 
 #include <sys/mman.h>
@@ -38,13 +37,9 @@ Result<SparseBytes> SparseBytes::reserve(std::uint64_t bytes) {
   return sparse;
 }
 
-void SparseBytes::expect_dense(std::size_t first, std::size_t bytes) {
-  const std::size_t last = std::min(first + bytes, size());
-  if (first >= last) return;
-  const std::size_t from = first / kLargePage * kLargePage;
-  const std::size_t to = (last + kLargePage - 1) / kLargePage * kLargePage;
+void SparseBytes::expect_dense() {
   // A hint: kernels without large pages refuse it.
-  static_cast<void>(madvise(data() + from, to - from, MADV_HUGEPAGE));
+  static_cast<void>(madvise(data(), (size() + kLargePage - 1) / kLargePage * kLargePage, MADV_HUGEPAGE));
 }
 
 void SparseBytes::drop(std::size_t bytes) {

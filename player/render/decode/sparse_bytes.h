@@ -14,9 +14,9 @@ class SparseBytes {
  public:
   /// Reserves address space without memory. kLimit if the system refuses, or addresses have too few bits.
   [[nodiscard]] static Result<SparseBytes> reserve(std::uint64_t bytes);
-  /// Announces dense writes to a part, which may then be backed by large pages (2 MiB). Their page faults
+  /// Announces dense writes, so that it may be backed by large pages (2 MiB). Their page faults
   /// cost a third per byte. A hint: no effect on systems without large pages.
-  void expect_dense(std::size_t first, std::size_t bytes);
+  void expect_dense();
   /// Frees the memory behind the first `bytes`. Later reads may find zeros.
   void drop(std::size_t bytes);
   [[nodiscard]] std::byte* data() const { return data_.get(); }

@@ -212,7 +212,8 @@ class Engine {
       if (message.serial !== this.#fit?.serial) return undefined;
       return message.type === 'fitted' ? this.#fit.resolve(message.camera) : this.#fit.reject(new Error(message.message));
     }
-    if (message.type === 'cancelled') return message.serial === this.#serial && (this.#asked = 0, this.#refineSoon());
+    if (message.type === 'cancelled' && message.serial === this.#serial) this.#asked = 0;  // a draft has ended it
+    if (message.type === 'cancelled') return message.serial === this.#serial && this.#refineSoon();
     if (message.type === 'error' && message.of !== 'draw') return this.#handlers.told(message.message, message.of);
     if (message.serial !== this.#serial) {
       // Drafts of a drag are shown although a newer one is asked for; old refinements are not

@@ -90,9 +90,12 @@ class MultiAppearance {
     };
     const Grey grey = source.cell_corners != nullptr ? SampleCellCorners(source.cell_corners, places)
                                                      : SampleGreys(source.greys, scene_.grid, places, mix);
-    const auto none = Zero(Lanes());
-    state.optics = {{grey.value, none, none, none}};
-    if (source.transfer != nullptr) state.classified = Classify(AnyTransfer(*source.transfer), grey.value);
+    if (source.transfer != nullptr) {
+      state.classified = Classify(AnyTransfer(*source.transfer), grey.value);
+    } else {
+      const auto none = Zero(Lanes());
+      state.optics = {{grey.value, none, none, none}};
+    }
     state.low = grey.low;
     state.high = grey.high;
   }

@@ -185,8 +185,8 @@ class RayVolume::Builder {
       SPLATLAS_ASSIGN_OR_RETURN(source.colors, SparseBytes::reserve(voxels * color_bytes(source)));
     }
     if (fills_box(voxels)) {
-      source.values.expect_dense(0, source.values.size());
-      source.colors.expect_dense(0, source.colors.size());
+      source.values.expect_dense();
+      source.colors.expect_dense();
     }
     source.lit.resize(static_cast<std::size_t>(size[2]));
     return {};

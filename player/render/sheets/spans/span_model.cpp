@@ -45,7 +45,7 @@ OpticalBuffer OpticalArena::lend(std::size_t floats) {
   const std::lock_guard lock(*mutex_);
   const auto lend_rest = [&](const std::shared_ptr<Chunk>& chunk) {
     chunk->lent = true;
-    if (large_) chunk->memory.expect_dense(0, chunk->memory.size());
+    if (large_) chunk->memory.expect_dense();
     return OpticalBuffer({chunk, chunk->data() + chunk->used}, chunk->size - chunk->used);
   };
   for (const std::shared_ptr<Chunk>& chunk : chunks_) {
