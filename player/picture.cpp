@@ -40,14 +40,6 @@ const SrgbEncoder& srgb_encoder() {
   return encoder;
 }
 
-/// kUsage unless a buffer has this many bytes per pixel.
-Result<void> check_bytes(const Picture& picture, std::size_t per_pixel, std::span<const std::uint8_t> out) {
-  const std::size_t bytes = picture.rgba.size() / 4 * per_pixel;
-  if (out.size() == bytes) return {};
-  return fail(ErrorCode::kUsage,
-              fmt::format("picture: the buffer has {} bytes; its pixels take {}", out.size(), bytes));
-}
-
 /// Throws Cancelled in a task that is to stop; looks at every 2^14th of `n`.
 void check_stop(std::size_t n) {
   if ((n & 0x3fff) == 0 && is_task_stopped()) throw Cancelled();
@@ -56,7 +48,8 @@ void check_stop(std::size_t n) {
 }  // namespace
 
 Result<void> to_srgb8(const Picture& picture, Rgb background, std::span<std::uint8_t> out) {
-  SPLATLAS_RETURN_IF_ERROR(check_bytes(picture, 3, out));
+  if (const std::size_t bytes = picture.rgba.size() / 4 * 3; out.size() != bytes)
+    return fail(ErrorCode::kUsage, "picture: the buffer has {} bytes; its pixels take {}", out.size(), bytes);
   const SrgbEncoder& encode = srgb_encoder();
   const std::array<float, 3> behind{srgb_to_linear(background.r), srgb_to_linear(background.g),
                                     srgb_to_linear(background.b)};
@@ -74,22 +67,20 @@ std::vector<std::uint8_t> to_srgb8(const Picture& picture, Rgb background) {
   return bytes;
 }
 
-Result<void> to_srgba8(const Picture& picture, std::span<std::uint8_t> out) {
-  SPLATLAS_RETURN_IF_ERROR(check_bytes(picture, 4, out));
+void to_srgba8(std::span<const float> rgba, std::uint8_t* out) {
   const SrgbEncoder& encode = srgb_encoder();
-  for (std::size_t n = 0; n < out.size() / 4; ++n) {
+  for (std::size_t n = 0; n < rgba.size() / 4; ++n) {
     check_stop(n);
-    const float* p = &picture.rgba[4 * n];
+    const float* p = &rgba[4 * n];
     out[4 * n + 3] = static_cast<std::uint8_t>(255.0f * unit(p[3]) + 0.5);  // a faster std::lround()
     // Divide: the reciprocal of the smallest opacities is infinite.
     for (std::size_t c = 0; c < 3; ++c) out[4 * n + c] = p[3] > 0 ? encode(p[c] / p[3]) : 0;
   }
-  return {};
 }
 
 std::vector<std::uint8_t> to_srgba8(const Picture& picture) {
   std::vector<std::uint8_t> bytes(picture.rgba.size());
-  static_cast<void>(to_srgba8(picture, bytes));
+  to_srgba8(picture.rgba, bytes.data());
   return bytes;
 }
 

@@ -100,7 +100,7 @@ struct MissingPart {
 /// Converts the picture to 8-bit sRGB with straight (not premultiplied) alpha, for transparent backgrounds.
 /// Clamps and rounds as to_srgb8(). O(pixels), thread-safe.
 [[nodiscard]] std::vector<std::uint8_t> to_srgba8(const Picture& picture);
-/// The same into an existing buffer. kUsage unless `out` has 4 bytes per pixel. Allocates nothing.
-[[nodiscard]] Result<void> to_srgba8(const Picture& picture, std::span<std::uint8_t> out);
+/// The same of pixels as Picture::rgba has them. Writes rgba.size() bytes from `out` on, allocates nothing.
+void to_srgba8(std::span<const float> rgba, std::uint8_t* out);
 
 }  // namespace splatlas

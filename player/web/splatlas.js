@@ -53,10 +53,11 @@ class Module {
     return [status, new TextDecoder().decode(answer)];
   }
 
-  pixels(count) {
+  picture(width, height) {
     const pixels = this.#wasm.splatlas_pixels();
     if (pixels === 0) throw new SplatlasError('limit', 'out of memory');
-    return new Uint8ClampedArray(this.#wasm.memory.buffer, pixels, count).slice();
+    const data = new Uint8ClampedArray(this.#wasm.memory.buffer, pixels, 4 * width * height).slice();
+    return {data, part: [0, 0, width, height]};
   }
 
   floats(count) {
@@ -67,29 +68,23 @@ class Module {
 /** An engine in the program that serves the page, for workers: they may wait for an answer. */
 class Server {
   #url;
-  #runs = null;  // of the latest picture
+  #picture = null;  // of the latest answer
 
   constructor(url) { this.#url = url; }
 
-  /** The answer is its status, the bytes of its text, the text in whole words, and the runs of a picture. */
+  /** The answer is its status, the bytes of its text, the picture's part, the text, and the pixels of the part. */
   call(request) {
     const exchange = new XMLHttpRequest();
     exchange.open('POST', this.#url, false);
     exchange.responseType = 'arraybuffer';
     exchange.send(request);
     if (exchange.status !== 200) throw new Error(`the player answers ${exchange.status}`);
-    const [status, bytes] = new Uint32Array(exchange.response, 0, 2);
-    this.#runs = new Uint32Array(exchange.response, 8 + (bytes + 3 & ~3));
-    return [status, new TextDecoder().decode(new Uint8Array(exchange.response, 8, bytes))];
+    const [status, bytes, ...part] = new Int32Array(exchange.response, 0, 6);
+    this.#picture = {data: new Uint8ClampedArray(exchange.response, 24 + bytes), part};
+    return [status, new TextDecoder().decode(new Uint8Array(exchange.response, 24, bytes))];
   }
 
-  /** A run: the number of transparent pixels, the number of others, and these. */
-  pixels(count) {
-    const [runs, pixels] = [this.#runs, new Uint32Array(count / 4)];
-    for (let n = 0, at = 0; n < runs.length; at += runs[n + 1], n += 2 + runs[n + 1])
-      pixels.set(runs.subarray(n + 2, n + 2 + runs[n + 1]), at += runs[n]);
-    return new Uint8ClampedArray(pixels.buffer);
-  }
+  picture() { return this.#picture; }
 }
 
 class Splatlas {
@@ -146,13 +141,14 @@ class Splatlas {
   select(text) { return this.#call('select', {select: text}); }
 
   /** Renders a state. docs/web.md has its keys, and those of the picture. @param {object} state
-   * @returns {{width: number, height: number, data: Uint8ClampedArray, missing: string[]}} as ImageData */
+   * @returns {{width: number, height: number, data: Uint8ClampedArray, part: number[], missing: string[]}} `data` as
+   *   ImageData, of a module the whole picture, of a server its part [x, y, width, height]; the rest is transparent */
   draw(state) {
     this.#values = 0;
     const answer = this.#call('draw', state);
     const [width, height] = state.size;
     this.#values = 4 * width * height;
-    return {...answer, width, height, data: this.#engine.pixels(this.#values)};
+    return {...answer, width, height, ...this.#engine.picture(width, height)};
   }
 
   /** The camera that draw() would take for a state. @returns {object} */

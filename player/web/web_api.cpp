@@ -73,9 +73,8 @@ SPLATLAS_WEB(splatlas_floats) const float* splatlas_floats() {
 
 /// The same as 8-bit sRGB with straight alpha, for ImageData. Null when out of memory.
 SPLATLAS_WEB(splatlas_pixels) const std::uint8_t* splatlas_pixels() try {
-  const Picture& picture = module().engine.frame().picture;
-  module().pixels.resize(picture.rgba.size());
-  return to_srgba8(picture, module().pixels) ? module().pixels.data() : nullptr;
+  module().pixels = to_srgba8(module().engine.frame().picture);
+  return module().pixels.data();
 } catch (const std::exception&) {
   return nullptr;
 }

@@ -150,11 +150,12 @@ class Engine {
    * with `fit`, {structure, zoom, center}, is fitted first. */
   show(state) {
     const isNew = state.select !== this.#state?.select;
+    const isHasty = this.#asked === this.#serial && !this.isRefined();
     this.#state = state;
     ++this.#serial;
     clearTimeout(this.#timer);
     this.#workers[0].postMessage(
-      {...state, type: 'draw', serial: this.#serial, quality: 'draft', budget: kDraftBudget});
+      {...state, type: 'draw', serial: this.#serial, quality: 'draft', budget: kDraftBudget, isHasty});
     if (isNew && this.#workers.length > 1) this.#refineSoon();  // decoding takes longer than drawing
   }
 

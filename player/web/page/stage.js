@@ -57,18 +57,20 @@ class Stage {
   }
 
   /** Puts a picture on the canvas, which the style stretches over the stage, with its scale and directions. */
-  draw({width, height, data, camera}) {
+  draw({width, height, data, part: [x, y, ...size], camera}) {
     this.#mark(camera);
     const canvas = this.#canvas;
+    const context = canvas.getContext('2d');
     if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
-    canvas.getContext('2d').putImageData(new ImageData(data, width, height), 0, 0);
+    context.clearRect(0, 0, width, height);
+    context.putImageData(new ImageData(data, ...size), x, y);
   }
 
   /** Shows the scale and the directions of a camera. */
   #mark(camera) {
+    const [width, height] = this.size();  // before any change, after which it takes a layout of the page
     const letters = Camera.letters(camera);
     for (const side of Object.keys(letters)) document.getElementById(`side-${side}`).textContent = letters[side];
-    const [width, height] = this.size();
     const mm = Camera.mmPerPixel(camera, [width, height], this.display);
     const room = 0.3 * width * mm;
     const power = 10 ** Math.floor(Math.log10(room));

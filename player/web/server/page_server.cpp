@@ -26,6 +26,7 @@
 #include "format/result_macros.h"
 #include "format/text/json_text.h"
 #include "player/web/page_engine.h"
+#include "player/web/server/call_answer.h"
 #include "player/web/server/strangers.h"
 
 namespace splatlas {
@@ -109,27 +110,6 @@ MHD_Result send(MHD_Connection* connection, HttpAnswer answer) {
 void on_end(void* /*closure*/, MHD_Connection* /*connection*/, void** state,
             MHD_RequestTerminationCode /*why*/) {
   delete static_cast<std::string*>(std::exchange(*state, nullptr));
-}
-
-/// Two numbers, the text in whole words, and the pixels in runs: the number of transparent ones, the number
-/// of others, and these. Browsers receive a megabyte in 2 to 3 ms.
-HttpAnswer answer_of(const PageAnswer& answer, const Picture& picture) {
-  using Words = std::vector<std::uint32_t>;
-  const std::size_t letters = answer.text.size();
-  Words words{static_cast<std::uint32_t>(answer.status), static_cast<std::uint32_t>(letters)};
-  Words pixels(answer.has_picture ? picture.rgba.size() / 4 : 0);
-  words.resize(2 + (letters + 3) / 4);
-  std::memcpy(words.data() + 2, answer.text.data(), letters);
-  const std::span srgba(reinterpret_cast<std::uint8_t*>(pixels.data()), 4 * pixels.size());
-  if (answer.has_picture && !to_srgba8(picture, srgba)) return {.status = 500};
-  for (auto at = pixels.begin(), end = at; at != pixels.end(); at = end) {
-    const auto first = std::find_if(at, pixels.end(), std::identity());
-    end = std::find(first, pixels.end(), 0U);
-    for (const auto count : {first - at, end - first}) words.push_back(static_cast<std::uint32_t>(count));
-    words.insert(words.end(), first, end);
-  }
-  const auto* const bytes = reinterpret_cast<const char*>(words.data());
-  return {.type = "application/octet-stream", .body = {bytes, 4 * words.size()}};
 }
 
 HttpAnswer said(const char* what, const std::string& text) {
@@ -348,7 +328,7 @@ struct PageServer::Impl {
       }
       malloc_trim(0);  // what decoding left, on all threads
     }
-    return answer_of(answer, session->engine.frame().picture);
+    return {.type = "application/octet-stream", .body = call_answer(answer, session->engine.frame().picture)};
   }
 
   HttpAnswer save(const std::string& id, const std::string& scenes, bool replaces) {
