@@ -87,13 +87,9 @@ void TileLayers::begin(const RasterScene& scene, const PixelBox& tile, std::size
   tile_ = tile;
   options_ = options;
   any_ = false;
-  has_ghosts_ =
-      std::ranges::any_of(scene.surfaces, [](const SurfaceDraw& of) { return of.ghost.has_value(); });
   radiances_.assign(slots, {});
   transmittances_.assign(slots, 1);
   first_.assign(slots, kNone);
-  hull_.clear();
-  hulls_.clear();
   due_ = kDue;
   waiting_.clear();
   fragments_.clear();
@@ -133,7 +129,7 @@ void TileLayers::sort_slots(std::uint32_t count) {
     first_[slot] = kNone;
     if (!is_clear(slot)) continue;
     if (next_[n] == kNone) {
-      take(n);
+      sequence_.push_back(n);
     } else {
       sort_chain(n);
     }
@@ -147,26 +143,7 @@ void TileLayers::sort_chain(std::uint32_t first) {
   std::ranges::sort(chain_, [this](std::uint32_t a, std::uint32_t b) {
     return in_front(waiting_[a], waiting_[b], *scene_);
   });
-  for (const std::uint32_t n : chain_) take(n);
-}
-
-void TileLayers::take(std::uint32_t crossing) {
-  if (has_ghosts_) {
-    const std::optional<std::uint32_t>& ghost = scene_->surfaces[waiting_[crossing].surface()].ghost;
-    if (ghost && !enters_hull(waiting_[crossing].slot, *ghost)) return;
-  }
-  sequence_.push_back(crossing);
-}
-
-/// False if the slot has passed the hull of this ghost.
-bool TileLayers::enters_hull(std::uint32_t slot, std::uint32_t ghost) {
-  if (hull_.empty()) hull_.assign(transmittances_.size(), kNone);
-  for (std::uint32_t n = hull_[slot]; n != kNone; n = hulls_[n].before) {
-    if (hulls_[n].ghost == ghost) return false;
-  }
-  hulls_.push_back({ghost, hull_[slot]});
-  hull_[slot] = static_cast<std::uint32_t>(hulls_.size() - 1);
-  return true;
+  sequence_.insert(sequence_.end(), chain_.begin(), chain_.end());
 }
 
 void TileLayers::composite(std::span<const std::uint32_t> crossings) {
@@ -320,7 +297,9 @@ void TileBins::fill(const RasterScene& scene, ThreadPool& pool) {
     for (const Placed& placed : of) clusters_[first_of_tile_[placed.tile + 1]++] = placed.cluster;
   }
   const auto key = [&scene](const TileCluster& of) {
-    return std::tuple(!scene.surfaces[of.surface].is_opaque(), of.nearest, of.surface, of.cluster);
+    const SurfaceDraw& surface = scene.surfaces[of.surface];
+    const std::uint64_t group = surface.is_opaque() ? 0 : surface.ghost ? 1UL + *surface.ghost : ~0UL;
+    return std::tuple(group, of.nearest, of.surface, of.cluster);
   };
   pool.for_each(tiles(), [&](std::size_t tile) {
     std::sort(clusters_.begin() + static_cast<std::ptrdiff_t>(first_of_tile_[tile]),

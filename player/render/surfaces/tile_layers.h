@@ -26,7 +26,8 @@ struct TileCluster {
   std::uint8_t x_first = 0, x_last = 0, y_first = 0, y_last = 0;
 };
 
-/// Clusters by tile, opaque ones first, near ones first. Keeps its memory from frame to frame.
+/// Clusters by tile: opaque ones, then those of each ghost, then others; near ones first. Keeps its memory
+/// from frame to frame.
 class TileBins {
  public:
   static constexpr int kTileSide = 64;  ///< in pixels: depths of a tile fit the L1 cache
@@ -162,15 +163,8 @@ class TileLayers {
  private:
   static constexpr std::uint32_t kNone = 0xffffffff;
 
-  struct Hull {
-    std::uint32_t ghost = 0;
-    std::uint32_t before = kNone;
-  };
-
   void sort_slots(std::uint32_t count);
   void sort_chain(std::uint32_t first);
-  void take(std::uint32_t crossing);
-  [[nodiscard]] bool enters_hull(std::uint32_t slot, std::uint32_t ghost);
   void composite(std::span<const std::uint32_t> crossings);
   [[nodiscard]] SurfacesSeen& seen(std::uint32_t slot) const {
     return options_.seen[scene_->region.place(tile_.x_first, tile_.y_first) +
@@ -180,12 +174,10 @@ class TileLayers {
   const RasterScene* scene_ = nullptr;
   PixelBox tile_;
   TileOptions options_;
-  bool any_ = false, has_ghosts_ = false;
+  bool any_ = false;
   std::vector<Radiance> radiances_;      // of the slots
   std::vector<float> transmittances_;    // the same
   std::vector<std::uint32_t> first_;     // of waiting_, the same; kNone but in sort_slots()
-  std::vector<std::uint32_t> hull_;      // latest one passed, in hulls_, the same; empty without ghosts
-  std::vector<Hull> hulls_;              // as lists of the slots
   std::size_t due_ = 0;                  // crossings
   std::vector<Crossing> waiting_;        // those to composite come first in pass()
   std::vector<std::uint32_t> next_;      // of waiting_, in the same slot

@@ -7,8 +7,8 @@ namespace splatlas {
 
 void TileRasterizer::pass_all_layers() {
   static_cast<void>(layers_.pass(kNothingHidden));
-  for (std::uint32_t slot = 0; slot < hiding_.size(); ++slot) {
-    if (has_nearest(slot) && layers_.is_clear(slot)) layers_.add() = nearest_[slot];
+  for (std::uint32_t slot = 0; slot < depth_.of_slot.size(); ++slot) {
+    if (depth_.has(slot) && layers_.is_clear(slot)) layers_.add() = depth_.nearest[slot];
   }
   static_cast<void>(layers_.pass(kNothingHidden));
   for (std::uint32_t slot = 0; slot < faces_.size(); ++slot) layers_.pass_face(slot, faces_[slot].back);
@@ -18,9 +18,10 @@ void TileRasterizer::pass_all_layers() {
 }
 
 void TileRasterizer::finish(TileFragments& out) {
+  change_hull({});
   pass_all_layers();
   // Counting sort by slot
-  out.end_of_slot.assign(hiding_.size(), 0);
+  out.end_of_slot.assign(depth_.of_slot.size(), 0);
   for (const SlotFragment& of : layers_.fragments()) ++out.end_of_slot[of.slot];
   std::uint32_t begin = 0;
   for (std::uint32_t& end : out.end_of_slot) begin += std::exchange(end, begin);
@@ -29,6 +30,7 @@ void TileRasterizer::finish(TileFragments& out) {
 }
 
 void TileRasterizer::paint(std::vector<float>& rgba, std::vector<float>* depths) {
+  change_hull({});
   const bool is_centers = slot_of_pixel_.empty();
   if (is_centers && !layers_.any() && !layers_.has_faces()) {
     for (std::int32_t y = tile_.y_first; y <= tile_.y_last; ++y) paint_opaque_row(y, rgba, depths);
@@ -72,15 +74,15 @@ void TileRasterizer::paint_opaque_row(std::int32_t y, std::vector<float>& pictur
   std::array<float, kStride> diffuse, highlight;
   std::size_t count = 0;
   for (std::size_t x = 0; x < columns; ++x) {
-    if (!has_nearest(first + x)) continue;
-    for (std::size_t c = 0; c < 3; ++c) normals[c][count] = nearest_[first + x].normal_lps[c];
+    if (!depth_.has(first + x)) continue;
+    for (std::size_t c = 0; c < 3; ++c) normals[c][count] = depth_.nearest[first + x].normal_lps[c];
     covered[count++] = static_cast<std::uint32_t>(x);
   }
   scene_->lighting.on_surfaces(count, {normals[0].data(), normals[1].data(), normals[2].data()},
                                diffuse.data(), highlight.data());
   for (std::size_t n = 0; n < count; ++n) {
     const std::size_t x = covered[n];
-    const Crossing& nearest = nearest_[first + x];
+    const Crossing& nearest = depth_.nearest[first + x];
     const std::array<float, 3>& color = scene_->surfaces[nearest.surface()].color;
     const SurfaceShading shading{diffuse[n], highlight[n]};
     for (std::size_t c = 0; c < 3; ++c) rgba[4 * x + c] = shading.on(color[c]);

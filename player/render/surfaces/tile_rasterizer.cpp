@@ -51,7 +51,7 @@ void TileRasterizer::begin(const RasterScene& scene, const PixelBox& tile, const
   scene_ = &scene;
   tile_ = tile;
   slot_of_pixel_.clear();
-  pixel_hiding_.clear();
+  depth_.of_pixel.clear();
   faces_.clear();
   pattern_ = kCentre;
   seen_ = options.seen;
@@ -60,7 +60,7 @@ void TileRasterizer::begin(const RasterScene& scene, const PixelBox& tile, const
   const auto columns = static_cast<std::uint32_t>(tile.x_last - tile.x_first + 1);
   const auto rows = static_cast<std::uint32_t>(tile.y_last - tile.y_first + 1);
   for (std::uint32_t y = 0; y < kStride; ++y) {
-    const auto row = hiding_.begin() + std::ptrdiff_t{y} * kStride;
+    const auto row = depth_.of_slot.begin() + std::ptrdiff_t{y} * kStride;
     std::fill(row + (y < rows ? columns : 0), row + kStride, -kNothingHidden);
     if (seen_.empty() || y >= rows) continue;
     std::fill_n(&seen_[scene.region.place(tile.x_first, tile.y_first + static_cast<std::int32_t>(y))],
@@ -69,10 +69,10 @@ void TileRasterizer::begin(const RasterScene& scene, const PixelBox& tile, const
   if (scene.faces == nullptr || (options.is_empty && !layers_.has_faces())) return;
   // Nothing is seen behind opaque faces
   for_each_pixel([&](std::size_t pixel, std::uint32_t slot) {
-    if (scene.faces->hides(pixel)) hiding_[slot] = -kNothingHidden;
+    if (scene.faces->hides(pixel)) depth_.of_slot[slot] = -kNothingHidden;
     if (layers_.has_faces()) layers_.pass_face(slot, scene.faces->front()[pixel]);
   });
-  for (std::uint32_t block = 0; block < block_hiding_.size(); ++block) renew_block(block);
+  for (std::uint32_t block = 0; block < depth_.of_block.size(); ++block) renew_block(block);
 }
 
 void TileRasterizer::begin_edges(const RasterScene& scene, const PixelBox& tile,
@@ -82,7 +82,7 @@ void TileRasterizer::begin_edges(const RasterScene& scene, const PixelBox& tile,
   tile_ = tile;
   pattern_ = pattern;
   slot_of_pixel_.assign(std::size_t{kStride} * kStride, kNone);
-  pixel_hiding_.assign(std::size_t{kStride} * kStride, -kNothingHidden);
+  depth_.of_pixel.assign(std::size_t{kStride} * kStride, -kNothingHidden);
   pixel_of_slot_.clear();
   seen_ = {};
   std::uint32_t slots = 0;
@@ -93,14 +93,14 @@ void TileRasterizer::begin_edges(const RasterScene& scene, const PixelBox& tile,
           static_cast<std::size_t>((y - tile.y_first) * TileBins::kTileSide + x - tile.x_first);
       slot_of_pixel_[pixel] = slots;
       pixel_of_slot_.push_back(static_cast<std::uint32_t>(pixel));
-      pixel_hiding_[pixel] = kNothingHidden;
+      depth_.of_pixel[pixel] = kNothingHidden;
       slots += static_cast<std::uint32_t>(pattern.size());
     }
   }
   clear(slots, options);
   faces_.clear();
   if (scene.sample_faces != nullptr && !options.keeps_fragments) pass_sample_faces();
-  for (std::uint32_t block = 0; block < block_hiding_.size(); ++block) renew_block(block);
+  for (std::uint32_t block = 0; block < depth_.of_block.size(); ++block) renew_block(block);
 }
 
 /// Faces of the samples of edges. Nothing is seen behind opaque ones.
@@ -113,7 +113,7 @@ void TileRasterizer::pass_sample_faces() {
       const double x = static_cast<double>(column) + pattern_[n].right();
       const double y = static_cast<double>(row) + pattern_[n].down();
       const RayFaces& faces = faces_.emplace_back(scene_->sample_faces->through(x, y));
-      if (faces.front.rgba[3] >= 1) hiding_[first_slot + n] = -kNothingHidden;
+      if (faces.front.rgba[3] >= 1) depth_.of_slot[first_slot + n] = -kNothingHidden;
       layers_.pass_face(first_slot + n, faces.front);
     }
     renew_pixel(pixel_of_slot_[first_slot / slots]);
@@ -121,9 +121,10 @@ void TileRasterizer::pass_sample_faces() {
 }
 
 void TileRasterizer::clear(std::size_t slots, const TileOptions& options) {
-  hiding_.assign(slots, kNothingHidden);
-  nearest_.resize(slots);
-  block_hiding_.fill(kNothingHidden);
+  depth_.of_slot.assign(slots, kNothingHidden);
+  depth_.nearest.resize(slots);
+  depth_.of_block.fill(kNothingHidden);
+  hull_.reset();
   layers_.begin(*scene_, tile_, slots, options);
 }
 
@@ -131,23 +132,43 @@ void TileRasterizer::pass_layers(float depth) {
   const std::span<const std::uint32_t> ended = layers_.pass(depth);
   if (ended.empty()) return;
   for (const std::uint32_t slot : ended) {
-    hiding_[slot] = -kNothingHidden;
+    depth_.of_slot[slot] = -kNothingHidden;
     if (!slot_of_pixel_.empty()) renew_pixel(pixel_of_slot_[slot / pattern_.size()]);
   }
-  for (std::uint32_t block = 0; block < block_hiding_.size(); ++block) renew_block(block);
+  for (std::uint32_t block = 0; block < depth_.of_block.size(); ++block) renew_block(block);
+}
+
+void TileRasterizer::change_hull(std::optional<std::uint32_t> ghost) {
+  if (hull_) {
+    std::swap(depth_, other_);
+    for (std::uint32_t slot = 0; slot < other_.of_slot.size(); ++slot) {
+      if (other_.has(slot) && scene_->surfaces[other_.nearest[slot].surface()].ghost == hull_)
+        layers_.add() = other_.nearest[slot];
+    }
+  }
+  hull_ = ghost;
+  if (!hull_) return;
+  other_.nearest.resize(depth_.nearest.size());
+  for (std::uint32_t slot = 0; slot < depth_.of_slot.size(); ++slot)
+    if (depth_.has(slot)) other_.nearest[slot] = depth_.nearest[slot];
+  other_.of_slot = depth_.of_slot;
+  other_.of_pixel = depth_.of_pixel;
+  other_.of_block = depth_.of_block;
+  std::swap(depth_, other_);
 }
 
 void TileRasterizer::draw(const TileCluster& of) {
-  if (layers_.is_due()) pass_layers(of.nearest);
-  if (is_hidden(of)) return;
   const SurfaceDraw& surface = scene_->surfaces[of.surface];
+  if (surface.ghost != hull_) change_hull(surface.ghost);
+  if (!hull_ && layers_.is_due()) pass_layers(of.nearest);
+  if (is_hidden(of)) return;
   const SurfaceClusters::Cluster cluster = (*surface.clusters)[of.cluster];
   cluster_.place(cluster, *scene_, of.is_cut ? scene_->cuts : nullptr);
   changed_ = false;
   Current current;
   current.surface = of.surface;
-  current.is_opaque = surface.is_opaque();
-  current.hides_back = current.is_opaque && surface.clusters->is_closed() && scene_->cuts == nullptr &&
+  current.hides = surface.is_opaque() || surface.ghost;
+  current.hides_back = surface.is_opaque() && surface.clusters->is_closed() && scene_->cuts == nullptr &&
                        scene_->projection.is_parallel();
   for (const std::uint32_t n : cluster_.triangles_in(tile_, slot_of_pixel_.empty() ? 0 : kHalfPixel)) {
     current.triangle = cluster.first + n;
@@ -163,7 +184,7 @@ void TileRasterizer::draw(const TileCluster& of) {
 bool TileRasterizer::is_hidden(const TileCluster& of) const {
   for (std::uint32_t y = of.y_first; y <= of.y_last; ++y) {
     for (std::uint32_t x = of.x_first; x <= of.x_last; ++x) {
-      if (of.nearest <= block_hiding_[y * kBlocks + x]) return false;
+      if (of.nearest <= depth_.of_block[y * kBlocks + x]) return false;
     }
   }
   return true;
@@ -184,8 +205,8 @@ bool TileRasterizer::is_hidden(const PixelBox& box, float nearest) const {
 }
 
 void TileRasterizer::renew_pixel(std::uint32_t pixel) {
-  const auto first = hiding_.begin() + slot_of_pixel_[pixel];
-  pixel_hiding_[pixel] = *std::max_element(first, first + static_cast<std::ptrdiff_t>(pattern_.size()));
+  const auto first = depth_.of_slot.begin() + slot_of_pixel_[pixel];
+  depth_.of_pixel[pixel] = *std::max_element(first, first + static_cast<std::ptrdiff_t>(pattern_.size()));
 }
 
 void TileRasterizer::renew_block(std::uint32_t block) {
@@ -199,7 +220,7 @@ void TileRasterizer::renew_block(std::uint32_t block) {
     row += kStride;
     for (std::uint32_t x = 0; x < kSide; ++x) furthest[x] = furthest[x] > row[x] ? furthest[x] : row[x];
   }
-  block_hiding_[block] = *std::ranges::max_element(furthest);
+  depth_.of_block[block] = *std::ranges::max_element(furthest);
 }
 
 void TileRasterizer::draw(const SurfaceClusters::Triangle& triangle, Current& current) {
@@ -260,11 +281,11 @@ inline __attribute__((always_inline)) void TileRasterizer::hit(const ScreenTrian
                                                                double y, std::uint32_t slot,
                                                                Current& current) {
   // Find the depth, unless the triangle is hidden
-  if (current.nearest > hiding_[slot]) return;
+  if (current.nearest > depth_.of_slot[slot]) return;
   if (!current.attributes) set_up_side(current);
   const TriangleAttributes& attributes = *current.attributes;
   const double depth = attributes.depth_at(x, y);
-  if (static_cast<float>(depth) > hiding_[slot]) return;
+  if (static_cast<float>(depth) > depth_.of_slot[slot]) return;
   if (current.cuts != nullptr) {
     const ClipDepths kept = current.cuts->depths(x + 0.5, y + 0.5, scene_->depth_axis, scene_->depth_sign);
     if (!(depth >= kept.from && depth <= kept.to)) return;
@@ -283,16 +304,16 @@ inline __attribute__((always_inline)) void TileRasterizer::hit(const ScreenTrian
                                weight[2] * current.normals[2][c];
     }
   };
-  if (!has_nearest(slot) && !current.is_opaque) {
+  if (!depth_.has(slot) && !current.hides) {
     fill(layers_.add());
     return;
   }
   Crossing crossing;
   fill(crossing);
-  if (has_nearest(slot) && !in_front(crossing, nearest_[slot], *scene_)) return;
-  if (current.is_opaque) {
-    nearest_[slot] = crossing;
-    hiding_[slot] = hiding(static_cast<float>(depth));
+  if (depth_.has(slot) && !in_front(crossing, depth_.nearest[slot], *scene_)) return;
+  if (current.hides) {
+    depth_.nearest[slot] = crossing;
+    depth_.of_slot[slot] = hiding(static_cast<float>(depth));
     changed_ = true;
   } else {
     layers_.add() = crossing;
@@ -346,13 +367,13 @@ void TileRasterizer::sample_patterns(const ScreenTriangle& t, const PixelBox& bo
     for (std::int32_t x = box.x_first; x <= box.x_last; ++x, walk.step(at_center)) {
       const auto pixel = static_cast<std::uint32_t>(row + x);
       const std::uint32_t slot = slot_of_pixel_[pixel];
-      if (slot == kNone || walk.misses_pixel(at_center) || current.nearest > pixel_hiding_[pixel]) continue;
+      if (slot == kNone || walk.misses_pixel(at_center) || current.nearest > depth_.of_pixel[pixel]) continue;
       for (std::uint32_t n = 0; n < pattern_.size(); ++n) {
         const EdgeWalk::Edges edges = walk.moved(at_center, pattern_[n]);
         if (!EdgeWalk::inside(edges)) continue;
         hit(t, edges, x + pattern_[n].x / kSubPixels, y + pattern_[n].y / kSubPixels, slot + n, current);
       }
-      if (current.is_opaque) renew_pixel(pixel);
+      if (current.hides) renew_pixel(pixel);
     }
   }
 }

@@ -71,7 +71,7 @@ class TileRasterizer {
   /// `options`: without summaries. Faces are painted.
   void begin_edges(const RasterScene& scene, const PixelBox& tile, std::span<const std::uint8_t> wanted,
                    std::span<const SubPixel> pattern, const TileOptions& options);
-  /// Rasterises the next cluster of the tile: opaque surfaces come first, and then near ones.
+  /// Rasterises the next cluster of the tile, in the order of TileBins::of_tile().
   void draw(const TileCluster& of);
   /// Ends the tile: sorts its fragments by slot and depth.
   void finish(TileFragments& out);
@@ -89,7 +89,7 @@ class TileRasterizer {
   /// The triangle, or a part of it, that is being rasterised.
   struct Current {
     std::uint32_t surface = 0, triangle = 0;
-    bool is_opaque = false;
+    bool hides = false;       ///< what is behind it: of an opaque surface, or of a hull
     bool hides_back = false;  ///< clockwise triangles are behind counter-clockwise ones
     SurfaceClusters::Front front{};
     std::array<ScreenPoint, 3> points;
@@ -100,6 +100,16 @@ class TileRasterizer {
     std::optional<TriangleAttributes> attributes;
     std::uint32_t side = 0;                         ///< Crossing::side, with the attributes
     std::array<std::array<float, 3>, 3> normals{};  ///< of the corners, on the visible side; the same
+  };
+
+  /// The nearest crossings that hide what is behind them.
+  struct DepthBuffer {
+    std::vector<Crossing> nearest;  // by slot, where it has one
+    std::vector<float> of_slot;     // depth behind which it hides everything; infinite: none
+    std::vector<float> of_pixel;    // furthest of its slots; empty if every pixel has one slot
+    std::array<float, std::size_t{kBlocks} * kBlocks> of_block{};  // furthest of its pixels
+
+    [[nodiscard]] bool has(std::size_t slot) const { return std::abs(of_slot[slot]) < kNothingHidden; }
   };
 
   void clear(std::size_t slots, const TileOptions& options);
@@ -116,10 +126,10 @@ class TileRasterizer {
   /// A sample inside a triangle; `x`, `y` with integer pixel centres.
   void hit(const ScreenTriangle& t, const EdgeWalk::Edges& edges, double x, double y, std::uint32_t slot,
            Current& current);
-  /// True if an opaque surface is seen.
-  [[nodiscard]] bool has_nearest(std::size_t slot) const { return std::abs(hiding_[slot]) < kNothingHidden; }
+  /// Begins the hull of a ghost, and ends the one before: only its nearest crossings are layers.
+  void change_hull(std::optional<std::uint32_t> ghost);
   [[nodiscard]] const float* hiding_of_pixels() const {
-    return pixel_hiding_.empty() ? hiding_.data() : pixel_hiding_.data();
+    return depth_.of_pixel.empty() ? depth_.of_slot.data() : depth_.of_pixel.data();
   }
   void renew_pixel(std::uint32_t pixel);
   void renew_block(std::uint32_t block);
@@ -138,11 +148,10 @@ class TileRasterizer {
   PixelBox tile_;
   std::span<const SubPixel> pattern_;
   std::vector<std::uint32_t> slot_of_pixel_;  // first slot; empty if every pixel has one slot
-  std::vector<Crossing> nearest_;             // opaque, by slot, where hiding_ is finite
-  std::vector<float> hiding_;        // depth behind which it hides everything, by slot; infinite: none
-  std::vector<float> pixel_hiding_;  // furthest of the slots of each pixel; empty if that is hiding_
-  std::array<float, std::size_t{kBlocks} * kBlocks> block_hiding_{};  // furthest of the pixels of each block
-  bool changed_ = false;                                              // by the current cluster
+  DepthBuffer depth_;                         // of opaque surfaces, or of them and the hull
+  DepthBuffer other_;                         // of opaque surfaces while a hull is drawn
+  std::optional<std::uint32_t> hull_;         // its ghost
+  bool changed_ = false;                      // depth_, by the current cluster
   ScreenCluster cluster_;
   std::vector<ClippedTriangle> parts_;
   std::vector<std::uint32_t> pixel_of_slot_;  // by slot over the size of the pattern
