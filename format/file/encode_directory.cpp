@@ -32,8 +32,8 @@ StructureTable write_structures(const StructureGraph& graph) {
     table.parents.insert(table.parents.end(), s.parents.begin(), s.parents.end());
     const std::array<std::uint8_t, 3> rgb{s.color.r, s.color.g, s.color.b};
     const int flags = (s.label ? kFlagLabel : 0) | (s.external ? kFlagExternal : 0);
-    table.structures.emplace_back(s.label.value_or(0), static_cast<std::uint32_t>(table.parents.size()),
-                                  to_span(rgb), static_cast<std::uint8_t>(flags));
+    table.structures.emplace_back(s.label.value_or(0), static_cast<std::uint32_t>(table.parents.size()), rgb,
+                                  static_cast<std::uint8_t>(flags));
     for (const Term& term : s.terms) table.term_text.add({term.vocabulary, term.value});
     table.terms_end.push_back(static_cast<std::uint32_t>(table.term_text.ends().size() / 2));
   }
@@ -53,8 +53,7 @@ ClassRows write_classes(const Directory& directory) {
     }
     const IndexBox& box = directory.classes.box(c);
     const auto first = to_array<3, std::int32_t>(box.first), last = to_array<3, std::int32_t>(box.last);
-    rows.classes.emplace_back(directory.classes.voxels(c), to_span(first), to_span(last),
-                              to_span(directory.run_bytes[c]),
+    rows.classes.emplace_back(directory.classes.voxels(c), first, last, directory.run_bytes[c],
                               static_cast<std::uint32_t>(rows.members.size()));
   }
   return rows;
@@ -72,14 +71,13 @@ std::vector<Row> convert_rows(const std::vector<Entry>& entries, Convert&& conve
 
 Result<std::vector<std::byte>> encode_directory(const Directory& directory) {
   const Grid& grid = directory.source_grid;
-  const schema::Grid grid_row(to_span(grid.spacing_mm), to_span(grid.origin_lps_mm),
-                              to_span(grid.direction_lps), to_span(grid.size));
+  const schema::Grid grid_row(grid.spacing_mm, grid.origin_lps_mm, grid.direction_lps, grid.size);
   const auto flipped = to_array<3, std::uint8_t>(directory.source_to_storage.flipped);
-  const schema::AxisOrder order_row(to_span(directory.source_to_storage.from), to_span(flipped));
+  const schema::AxisOrder order_row(directory.source_to_storage.from, flipped);
   const Display& display = directory.display;
-  const schema::Display display_row(display.window_low, display.window_high, to_span(display.center_lps_mm),
+  const schema::Display display_row(display.window_low, display.window_high, display.center_lps_mm,
                                     display.radius_mm);
-  const schema::RunTotals totals_row(to_span(directory.run_totals));
+  const schema::RunTotals totals_row(directory.run_totals);
   const TextWriter text = write_text(directory);
   const StructureTable structures = write_structures(directory.graph);
   const ClassRows classes = write_classes(directory);

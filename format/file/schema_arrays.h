@@ -26,12 +26,6 @@ std::array<T, n> to_array(const Source& source) {
   return values;
 }
 
-/// For constructors of structs.
-template <typename T, std::size_t n>
-flatbuffers::span<const T, n> to_span(const std::array<T, n>& values) {
-  return flatbuffers::span<const T, n>(values.data(), n);
-}
-
 /// The projection of a scene that is not parallel.
 inline constexpr std::string_view kPerspective = "perspective";
 
