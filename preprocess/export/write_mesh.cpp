@@ -8,18 +8,13 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <vtkCellArray.h>
-#include <vtkFloatArray.h>
-#include <vtkNew.h>
 #include <vtkOBJWriter.h>
-#include <vtkPointData.h>
-#include <vtkPoints.h>
-#include <vtkPolyData.h>
 #include <vtkPolyDataWriter.h>
 #include <vtkSTLWriter.h>
 
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"
+#include "preprocess/import/meshes/polygon_readers.h"
 #include "preprocess/import/quiet_vtk.h"
 #include "preprocess/import/tables/text_file.h"
 
@@ -28,30 +23,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-vtkNew<vtkPolyData> to_polygons(std::span<const SurfaceMesh> surfaces, const Grid& grid) {
+vtkSmartPointer<vtkPolyData> to_polygons(std::span<const SurfaceMesh> surfaces, const Grid& grid) {
   const Affine to_mm = index_to_lps_mm(grid);
-  vtkNew<vtkPoints> points;
-  vtkNew<vtkFloatArray> normals;
-  normals->SetName("Normals");
-  normals->SetNumberOfComponents(3);
-  vtkNew<vtkCellArray> triangles;
+  PolygonMesh mesh;
   TaskPace pace;
   for (const SurfaceMesh& surface : surfaces) {
-    const vtkIdType first = points->GetNumberOfPoints();
+    const vtkIdType first = mesh.points->GetNumberOfPoints();
     for (std::size_t v = 0; v < surface.positions_ijk.size(); ++v) {
       pace.step();
       const auto& [i, j, k] = surface.positions_ijk[v];
-      points->InsertNextPoint(to_mm.apply({i, j, k}).data());
-      normals->InsertNextTuple(surface.normals_lps[v].data());
+      mesh.points->InsertNextPoint(to_mm.apply({i, j, k}).data());
+      mesh.normals->InsertNextTuple(surface.normals_lps[v].data());
     }
     for (const auto& [a, b, c] : surface.triangles)
-      pace.step(), triangles->InsertNextCell({first + a, first + b, first + c});
+      pace.step(), mesh.add_polygon(std::array{first + a, first + b, first + c});
   }
-  vtkNew<vtkPolyData> polygons;
-  polygons->SetPoints(points);
-  polygons->SetPolys(triangles);
-  polygons->GetPointData()->SetNormals(normals);
-  return polygons;
+  return mesh.poly_data();
 }
 
 template <typename Writer>
@@ -146,7 +133,7 @@ Result<MeshFormat> writable_mesh_format(const fs::path& path) {
 
 Result<OutputFile> write_mesh(std::span<const SurfaceMesh> surfaces, const Grid& grid, const fs::path& path) {
   SPLATLAS_ASSIGN_OR_RETURN(const MeshFormat format, writable_mesh_format(path));
-  const vtkNew<vtkPolyData> polygons = to_polygons(surfaces, grid);
+  const vtkSmartPointer<vtkPolyData> polygons = to_polygons(surfaces, grid);
   const double largest_mm = largest_coordinate_mm(*polygons), edge_mm = std::ranges::min(grid.spacing_mm);
   constexpr double kMaxStep = 0.25;  // voxels
   if (std::abs(largest_mm) > kMaxMeshMm || rounding_step_mm(largest_mm) > kMaxStep * edge_mm)

@@ -1,5 +1,5 @@
-// Readers of OBJ, GIFTI and FreeSurfer polygons. VTK takes parts of words for corners in OBJ; gifti_io fills
-// short arrays with zeros.
+// Polygons in the making, and readers of OBJ, GIFTI and FreeSurfer polygons. VTK takes parts of words for
+// corners in OBJ; gifti_io fills short arrays with zeros.
 #pragma once
 
 #include <filesystem>
@@ -24,7 +24,10 @@ struct PolygonMesh {
   vtkNew<vtkFloatArray> normals;
   vtkNew<vtkCellArray> polygons;
 
-  PolygonMesh() { normals->SetNumberOfComponents(3); }
+  PolygonMesh() {
+    normals->SetName("Normals");
+    normals->SetNumberOfComponents(3);
+  }
   /// Adds a polygon; ignores points and lines (fewer than three corners).
   void add_polygon(std::span<const vtkIdType> corners) {
     if (corners.size() >= 3) polygons->InsertNextCell(static_cast<vtkIdType>(corners.size()), corners.data());
