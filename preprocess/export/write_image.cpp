@@ -88,9 +88,6 @@ Result<void> deflate_parts(std::initializer_list<Bytes> parts, bool gzip, int le
   return pump({}, Z_FINISH);
 }
 
-constexpr std::array<std::int16_t, 9> kTypes{DT_NONE,   DT_UINT8, DT_INT8,    DT_UINT16, DT_INT16,
-                                             DT_UINT32, DT_INT32, DT_FLOAT32, DT_FLOAT64};
-
 /// The axes and the origin, in RAS.
 mat44 axes_ras(const Grid& grid) {
   mat44 axes{};
@@ -135,7 +132,7 @@ nifti_1_header make_header(const Grid& grid, VoxelType type) {
     h.dim[a + 1] = static_cast<std::int16_t>(grid.size[a]);
     h.pixdim[a + 1] = static_cast<float>(grid.spacing_mm[a]);
   }
-  h.datatype = kTypes[static_cast<std::size_t>(type)];
+  h.datatype = kNiftiTypes[static_cast<std::size_t>(type)];
   h.bitpix = static_cast<std::int16_t>(8 * bytes_of(type));
   h.vox_offset = sizeof(h) + 4;  // behind the empty list of extensions
   h.scl_slope = 1;

@@ -16,6 +16,9 @@
 
 namespace splatlas {
 
+/// NIfTI's number of each VoxelType.
+inline constexpr std::array<std::int16_t, 9> kNiftiTypes{0, 2, 256, 512, 4, 768, 8, 16, 64};
+
 /// Numbers at byte offsets, in this machine's byte order or, if `is_swapped`, in the other.
 class Fields {
  public:

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <string_view>
@@ -61,15 +62,9 @@ FilePair files_of(const fs::path& path) {
 }
 
 Result<StoredType> stored_type(const NiftiHeader& header, const fs::path& path) {
+  const auto known = std::ranges::find(kNiftiTypes, header.datatype) - kNiftiTypes.begin();
+  if (known > 0 && known < std::ssize(kNiftiTypes)) return StoredType{static_cast<VoxelType>(known)};
   switch (header.datatype) {
-    case 2: return StoredType{VoxelType::kUInt8};
-    case 256: return StoredType{VoxelType::kInt8};
-    case 4: return StoredType{VoxelType::kInt16};
-    case 512: return StoredType{VoxelType::kUInt16};
-    case 8: return StoredType{VoxelType::kInt32};
-    case 768: return StoredType{VoxelType::kUInt32};
-    case 16: return StoredType{VoxelType::kFloat32};
-    case 64: return StoredType{VoxelType::kFloat64};
     case 1024: return StoredType{VoxelType::kNone, WideInteger::kSigned};
     case 1280: return StoredType{VoxelType::kNone, WideInteger::kUnsigned};
     case 128:
