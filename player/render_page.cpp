@@ -183,11 +183,6 @@ struct PageRenderer::Impl {
   std::string title;  // of the document
 };
 
-PageRenderer::PageRenderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-PageRenderer::~PageRenderer() = default;
-PageRenderer::PageRenderer(PageRenderer&&) noexcept = default;
-PageRenderer& PageRenderer::operator=(PageRenderer&&) noexcept = default;
-
 Result<PageRenderer> PageRenderer::create(const std::filesystem::path& path, PageOptions options) {
   SPLATLAS_RETURN_IF_ERROR(PictureEncoder::check_ending(path));
   SPLATLAS_RETURN_IF_ERROR(PictureEncoder::check_size(path, options.render.size, options.background));
@@ -196,7 +191,7 @@ Result<PageRenderer> PageRenderer::create(const std::filesystem::path& path, Pag
     return fail(ErrorCode::kFailed, "{}: {}; give a .ttf or .otf file", options.font.string(),
                 error ? error.message() : "is no font file");
   }
-  return PageRenderer(std::make_unique<Impl>(path, std::move(options)));
+  return PageRenderer(std::make_shared<Impl>(path, std::move(options)));
 }
 
 void PageRenderer::set_caption(std::string caption) {

@@ -50,9 +50,8 @@ class PageRenderer {
   /// Prepares for a file of this name (see write_picture()); writes nothing. kUsage for an unknown extension
   /// and for pictures that the format cannot hold; kFailed if the font is no file.
   [[nodiscard]] static Result<PageRenderer> create(const std::filesystem::path& path, PageOptions options);
-  ~PageRenderer();
-  PageRenderer(PageRenderer&&) noexcept;
-  PageRenderer& operator=(PageRenderer&&) noexcept;
+  PageRenderer(PageRenderer&&) noexcept = default;
+  PageRenderer& operator=(PageRenderer&&) noexcept = default;
 
   /// Replaces the caption of the options.
   void set_caption(std::string caption);
@@ -78,8 +77,8 @@ class PageRenderer {
 
  private:
   struct Impl;
-  explicit PageRenderer(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  explicit PageRenderer(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
+  std::shared_ptr<Impl> impl_;
 };
 
 }  // namespace splatlas

@@ -326,9 +326,6 @@ struct Renderer::Impl {
 
 Renderer::Renderer(std::shared_ptr<const Atlas> atlas, const RendererOptions& options)
     : impl_(std::make_shared<Impl>(std::move(atlas), options)) {}
-Renderer::~Renderer() = default;
-Renderer::Renderer(Renderer&&) noexcept = default;
-Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 
 const Atlas& Renderer::atlas() const {
   return *impl_->atlas;

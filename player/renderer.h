@@ -53,9 +53,8 @@ class Renderer {
  public:
   /// Starts the threads, or fewer if the system refuses them. Nothing is selected. Throws std::bad_alloc.
   explicit Renderer(std::shared_ptr<const Atlas> atlas, const RendererOptions& options = {});
-  ~Renderer();
-  Renderer(Renderer&&) noexcept;
-  Renderer& operator=(Renderer&&) noexcept;
+  Renderer(Renderer&&) noexcept = default;
+  Renderer& operator=(Renderer&&) noexcept = default;
 
   [[nodiscard]] const Atlas& atlas() const;
   [[nodiscard]] const Selection& selection() const;
