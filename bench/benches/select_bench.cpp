@@ -1,5 +1,4 @@
 // Bench `select`: time from a selection change to the first correct picture.
-#include <algorithm>
 #include <array>
 #include <memory>
 #include <vector>

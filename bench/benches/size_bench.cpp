@@ -2,10 +2,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "bench/bench.h"
 #include "bench/measure/frames.h"

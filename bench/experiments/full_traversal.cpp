@@ -1,6 +1,5 @@
 #include "bench/experiments/full_traversal.h"
 
-#include <algorithm>
 #include <array>
 #include <utility>
 

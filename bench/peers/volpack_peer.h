@@ -1,7 +1,6 @@
 // VolPack, Lacroute's shear-warp renderer, as a peer: the fastest CPU volume renderer in Debian.
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <utility>
 

@@ -16,7 +16,6 @@
 #include "format/result_macros.h"
 #include "format/tasks/task_control.h"
 #include "format/text/ascii_text.h"
-#include "format/text/json_text.h"
 #include "player/camera_moves.h"
 #include "player/commands/commands.h"
 #include "player/renderer.h"

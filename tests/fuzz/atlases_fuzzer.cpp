@@ -1,7 +1,6 @@
 // Fuzz target: untrusted atlas files, with right or wrong checksums, opened, verified, read and rendered.
 // Each operation must stay within its estimate of work. Input: the file. Its reserved header field, which
 // readers ignore, chooses the frame and the largest estimate.
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>

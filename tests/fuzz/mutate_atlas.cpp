@@ -3,7 +3,6 @@
 #include <optional>
 #include <utility>
 
-#include "format/atlas_writer.h"
 #include "format/io/checksum.h"
 #include "tests/format/atlas_surgery.h"
 #include "tests/fuzz/mutators.h"

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <optional>
 #include <set>
-#include <string>
 
 #include "preprocess/import/tables/names_table.h"
 #include "preprocess/import/tables/text_file.h"

@@ -1,7 +1,6 @@
 // Checks of a random scene's pictures against brute force.
 #pragma once
 
-#include <cstdint>
 #include <limits>
 #include <string>
 #include <vector>

@@ -2,7 +2,6 @@
 // line that names it, within limits of time and memory. Prints a row per kind, and every violation with the
 // options that repeat it.
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/render.h"
 #include "tests/support/test_content.h"
 
 namespace splatlas {

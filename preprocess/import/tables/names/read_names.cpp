@@ -3,7 +3,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "format/result_macros.h"
 #include "format/text/ascii_text.h"

@@ -1,7 +1,6 @@
 #include "player/render/decode/sparse_bytes.h"
 
 #include <algorithm>
-#include <utility>
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,3 @@
-#include "player/render/sheets/sheets.h"
-
 #include <gtest/gtest.h>
 
 #include "player/renderer.h"

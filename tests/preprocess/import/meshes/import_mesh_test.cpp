@@ -11,7 +11,7 @@
 #include "tests/preprocess/raw_image_files.h"
 #include "tests/support/committed.h"
 #include "tests/support/fails_with.h"
-#include "tests/support/run_program.h"
+#include "tests/support/temporary_folder.h"
 
 namespace splatlas {
 namespace {

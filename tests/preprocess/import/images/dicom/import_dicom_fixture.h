@@ -1,7 +1,6 @@
 // Fixture of DICOM tests: a folder of slices with known values.
 #pragma once
 
-#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
