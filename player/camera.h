@@ -1,6 +1,7 @@
 // Camera of a picture, the parallel or perspective view that it defines, and its cutting planes.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -43,6 +44,13 @@ struct Camera {
 struct PictureSize {
   int width = 0, height = 0;
   friend bool operator==(const PictureSize&, const PictureSize&) = default;
+
+  /// Index of the pixel in column x and row y, row by row.
+  [[nodiscard]] constexpr std::size_t pixel(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+  }
+  /// Number of pixels.
+  [[nodiscard]] constexpr std::size_t pixels() const { return pixel(0, height); }
 };
 /// Maximum width and height, for exact byte counts and fixed-point rasterisation.
 inline constexpr int kMaxPictureSide = 32768;

@@ -23,8 +23,7 @@ struct Picture {
 
   /// The pixel in column x and row y, both in range.
   [[nodiscard]] std::array<float, 4> at(int x, int y) const {
-    const std::size_t n = 4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) +
-                               static_cast<std::size_t>(x));
+    const std::size_t n = 4 * size.pixel(x, y);
     return {rgba[n], rgba[n + 1], rgba[n + 2], rgba[n + 3]};
   }
 };
@@ -43,9 +42,7 @@ struct IdImage {
   [[nodiscard]] bool empty() const { return numbers.empty(); }
   /// The structure in column x and row y, both in range; kNoStructure for the background.
   [[nodiscard]] StructureIndex at(int x, int y) const {
-    const StructureNumber number =
-        numbers[static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) +
-                static_cast<std::size_t>(x)];
+    const StructureNumber number = numbers[size.pixel(x, y)];
     return number == 0 ? kNoStructure : StructureIndex{number} - 1;
   }
 };
@@ -62,7 +59,7 @@ struct DepthMap {
   /// Sets all pixels to background.
   void clear(const PictureSize& picture_size) {
     size = picture_size;
-    mm.assign(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height), kBackground);
+    mm.assign(size.pixels(), kBackground);
   }
 };
 
@@ -87,7 +84,7 @@ struct MissingPart {
 /// Bytes to render and encode a picture of this size: its floats, and the same amount for the encoder.
 [[nodiscard]] constexpr std::uint64_t picture_bytes(const PictureSize& size) {
   constexpr std::uint64_t kBytesPerPixel = std::uint64_t{2} * 4 * sizeof(float);
-  return kBytesPerPixel * static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height);
+  return kBytesPerPixel * size.pixels();
 }
 
 /// Composites the picture over a background and converts it to 8-bit sRGB triples (IEC 61966-2-1). Values are

@@ -35,9 +35,7 @@ class Canvas {
   void mix(int x, int y, Rgb color, double share) {
     const PictureSize& size = picture_.size;
     if (!(share > 0) || x < 0 || y < 0 || x >= size.width || y >= size.height) return;
-    float* const pixel =
-        &picture_.rgba[4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) +
-                            static_cast<std::size_t>(x))];
+    float* const pixel = &picture_.rgba[4 * size.pixel(x, y)];
     const double under = (1 - share) * alpha_over_background(pixel), alpha = share + under;
     const Rgb3 over{color.r / 255.0, color.g / 255.0, color.b / 255.0};
     for (std::size_t c = 0; c < 3; ++c) {

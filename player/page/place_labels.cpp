@@ -301,13 +301,13 @@ FreeSpace::FreeSpace(const PictureSize& size)
     : cell_(std::max(1, std::min(size.width, size.height) / kCellsOnShortSide)),
       columns_((size.width + cell_ - 1) / cell_),
       rows_((size.height + cell_ - 1) / cell_),
-      sums_(static_cast<std::size_t>(columns_ + 1) * static_cast<std::size_t>(rows_ + 1)) {}
+      corners_{columns_ + 1, rows_ + 1},
+      sums_(corners_.pixel(0, rows_ + 1)) {}
 
 FreeSpace::FreeSpace(const Picture& picture, float alpha) : FreeSpace(picture.size) {
   // Mark the cells that show structures
   const auto at = [this](int column, int row) -> std::uint32_t& {
-    return sums_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_ + 1) +
-                 static_cast<std::size_t>(column)];
+    return sums_[corners_.pixel(column, row)];
   };
   for (int y = 0; y < picture.size.height; ++y) {
     for (int x = 0; x < picture.size.width; ++x) {
@@ -330,11 +330,6 @@ FreeSpace::FreeSpace(const Picture& picture, float alpha) : FreeSpace(picture.si
   }
 }
 
-std::uint32_t FreeSpace::sum(int column, int row) const {
-  return sums_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_ + 1) +
-               static_cast<std::size_t>(column)];
-}
-
 bool FreeSpace::is_free(const PageBox& box) const {
   const auto cells = [this](double position, int count, bool up) {
     const double n = position / cell_;
@@ -343,6 +338,7 @@ bool FreeSpace::is_free(const PageBox& box) const {
   const int left = cells(box.left, columns_, false), right = cells(box.right, columns_, true);
   const int top = cells(box.top, rows_, false), bottom = cells(box.bottom, rows_, true);
   if (left >= right || top >= bottom) return true;
+  const auto sum = [this](int column, int row) { return sums_[corners_.pixel(column, row)]; };
   return sum(right, bottom) + sum(left, top) == sum(left, bottom) + sum(right, top);
 }
 

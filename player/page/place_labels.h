@@ -27,10 +27,9 @@ class FreeSpace {
   [[nodiscard]] std::optional<PageBox> content() const { return content_; }
 
  private:
-  [[nodiscard]] std::uint32_t sum(int column, int row) const;
-
   int cell_, columns_, rows_;
-  std::vector<std::uint32_t> sums_;
+  PictureSize corners_;              // of the cells
+  std::vector<std::uint32_t> sums_;  // [corner]
   std::optional<PageBox> content_;
 };
 

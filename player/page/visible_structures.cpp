@@ -16,16 +16,14 @@ constexpr int kEdge = 3, kCorner = 4;
 /// grid count as other structures.
 std::vector<int> border_distances(const IdGrid& grid) {
   std::vector<int> distances(grid.ids.size(), 1 << 28);
-  const auto index = [&](int i, int j) {
-    return static_cast<std::size_t>(j) * static_cast<std::size_t>(grid.columns) + static_cast<std::size_t>(i);
-  };
+  const PictureSize size{grid.columns, grid.rows};
   const auto relax = [&](int i, int j, int di, int dj) {
-    const std::size_t here = index(i, j);
+    const std::size_t here = size.pixel(i, j);
     const int length = di != 0 && dj != 0 ? kCorner : kEdge;
     const int ni = i + di, nj = j + dj;
     const bool outside = ni < 0 || nj < 0 || ni >= grid.columns || nj >= grid.rows;
-    const bool other = outside || grid.ids[index(ni, nj)] != grid.ids[here];
-    distances[here] = std::min(distances[here], other ? length : distances[index(ni, nj)] + length);
+    const bool other = outside || grid.ids[size.pixel(ni, nj)] != grid.ids[here];
+    distances[here] = std::min(distances[here], other ? length : distances[size.pixel(ni, nj)] + length);
   };
   for (int j = 0; j < grid.rows; ++j) {
     for (int i = 0; i < grid.columns; ++i) {

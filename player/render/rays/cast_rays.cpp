@@ -70,7 +70,7 @@ class BlockCaster {
     for (std::size_t n = 0; n < kPacketRays; ++n) {
       const int x = left + static_cast<int>(n) % kBlockSide, y = top + static_cast<int>(n) / kBlockSide;
       if (x >= size_.width || y >= size_.height) continue;
-      const std::size_t pixel = pixel_at(x, y);
+      const std::size_t pixel = size_.pixel(x, y);
       // Without ends, the picture is empty
       const float transmittance = 1 - weight * rgba_[n][3];
       for (std::size_t c = 0; picture_ != nullptr && c < 4; ++c) {
@@ -85,10 +85,6 @@ class BlockCaster {
   }
 
  private:
-  [[nodiscard]] std::size_t pixel_at(int x, int y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.width) + static_cast<std::size_t>(x);
-  }
-
   void cast(const RayBlock& block, int number) {
     check_task();
     const RayPoints points = block.points(number, size_);
@@ -112,7 +108,7 @@ class BlockCaster {
   /// Ends the rays of a packet at surfaces, and those behind opaque faces where they begin.
   void end(const RayPoints& points, RayPacket& packet) const {
     for (std::size_t n = 0; n < kPacketRays; ++n) {
-      const std::size_t pixel = pixel_at(static_cast<int>(points.x[n]), static_cast<int>(points.y[n]));
+      const std::size_t pixel = size_.pixel(static_cast<int>(points.x[n]), static_cast<int>(points.y[n]));
       if (options_.faces != nullptr && options_.faces->hides(pixel)) packet.to[n] = packet.from[n];
       if (options_.ends == nullptr) continue;
       const auto& [depths, scene] = *options_.ends;
@@ -143,7 +139,7 @@ class BlockCaster {
     const std::size_t axis = principal_axis_of(packet_, n);
     const double index = static_cast<double>(packet_.step[axis][n] * shares_->depth_of_ray(n)) +
                          static_cast<double>(volume_.first()[axis]);
-    float& mm = options_.depths->mm[pixel_at(x, y)];
+    float& mm = options_.depths->mm[size_.pixel(x, y)];
     mm = std::min(mm, static_cast<float>(view_depth_.mm(x + 0.5, y + 0.5, axis, index)));
   }
 
@@ -190,7 +186,7 @@ void cast_blocks(const RayVolume& volume, const View& view, const Grid& grid, co
 /// Clears the ids, or begins with those of faces alone.
 void begin_ids(const PictureSize& size, const FaceLayer* faces, IdImage& ids) {
   ids.size = size;
-  ids.numbers.assign(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height), 0);
+  ids.numbers.assign(size.pixels(), 0);
   if (faces == nullptr) return;
   for (std::size_t n = 0; n < ids.numbers.size(); ++n) {
     const RayFaces of_pixel = faces->at(n);
@@ -225,9 +221,7 @@ void cast_rays(const RayVolume& volume, const View& view, const Grid& grid, cons
                const MarchKernels& kernels, Picture* picture, ThreadPool& pool) {
   const PictureSize size = view.plane.size;
   if (picture != nullptr) picture->size = size;
-  if (picture != nullptr && options.ends == nullptr)
-    picture->rgba.assign(4 * static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height),
-                         0.0f);
+  if (picture != nullptr && options.ends == nullptr) picture->rgba.assign(4 * size.pixels(), 0.0f);
   if (options.ids != nullptr) begin_ids(size, options.faces, *options.ids);
   if (!volume.empty()) cast_blocks(volume, view, grid, options, kernels, picture, pool);
   if (picture != nullptr && options.faces != nullptr) add_faces(*options.faces, *picture, pool);

@@ -192,8 +192,7 @@ void SheetEnds::build(std::span<const float> depths, const PictureSize& size, co
         const double u = static_cast<double>(window.u0) + static_cast<double>(fine) / window.scale - map.x0;
         const double x = std::clamp(std::floor((map.yy * u - map.xy * v) / determinant), 0.0, last_x);
         const double y = std::clamp(std::floor((map.xx * v - map.yx * u) / determinant), 0.0, last_y);
-        const float depth = depths[static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) +
-                                   static_cast<std::size_t>(x)];
+        const float depth = depths[size.pixel(static_cast<int>(x), static_cast<int>(y))];
         if (!std::isfinite(depth)) continue;
         const Slabs::Place place = slabs.place_of(static_cast<double>(depth));
         rows_[row].push_back({place.slab, static_cast<std::int32_t>(fine / window.scale),

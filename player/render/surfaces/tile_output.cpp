@@ -59,8 +59,7 @@ void TileRasterizer::paint_opaque_row(std::int32_t y, std::vector<float>& pictur
                                       std::vector<float>* depths) const {
   const auto columns = static_cast<std::size_t>(tile_.x_last - tile_.x_first) + 1;
   const std::size_t first = static_cast<std::size_t>(y - tile_.y_first) * kStride;
-  const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(scene_->size.width) +
-                            static_cast<std::size_t>(tile_.x_first);
+  const std::size_t pixel = scene_->size.pixel(tile_.x_first, y);
   float* const rgba = &picture[4 * pixel];
   std::fill_n(rgba, 4 * columns, 0.0f);
   for (std::size_t n = pixel; depths != nullptr && n < pixel + columns; ++n) {

@@ -33,8 +33,7 @@ struct DiscScene {
     for (int j = first(y); j < std::min<double>(picture.size.height, y + radius); ++j) {
       for (int i = first(x); i < std::min<double>(picture.size.width, x + radius); ++i) {
         if (std::hypot(i + 0.5 - x, j + 0.5 - y) > radius) continue;
-        const auto n = static_cast<std::size_t>(j) * static_cast<std::size_t>(picture.size.width) +
-                       static_cast<std::size_t>(i);
+        const std::size_t n = picture.size.pixel(i, j);
         grid.ids[n] = id;
         std::fill_n(picture.rgba.begin() + static_cast<std::ptrdiff_t>(4 * n), 4, 1.0f);
       }
