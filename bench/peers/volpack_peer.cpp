@@ -137,7 +137,10 @@ struct VolpackPeer::Impl {
     const Lighting lighting(view);
     const std::vector<std::array<float, 3>>& normals = normals_of_codes();
     for (std::size_t code = 0; code < normals.size(); ++code) {
-      const float factor = lighting.diffuse(normals[code]);
+      std::array<float, 3> normal = normals[code];  // or its mirror image, as in Lighting::table()
+      const double away = std::max(0.0, dot({normal[0], normal[1], normal[2]}, view.forward_lps));
+      for (std::size_t a = 0; a < 3; ++a) normal[a] -= static_cast<float>(2 * away * view.forward_lps[a]);
+      const float factor = lighting.on_surface(normal).diffuse;
       for (std::size_t c = 0; c < 3; ++c) shade_table[code][0][c] = factor * hue[c];
     }
   }

@@ -43,21 +43,6 @@ Lighting::Lighting(const ParallelView& view) {
   half_ = normalised(half);
 }
 
-float Lighting::one_sided(const std::array<float, 3>& normal_lps) const {
-  const float length_squared = dot(normal_lps, normal_lps);
-  float facing = dot(to_viewer_, to_light_);
-  if (length_squared > 0) facing = std::max(0.0f, dot(normal_lps, to_light_) / std::sqrt(length_squared));
-  return kAmbient + (1.0f - kAmbient) * std::min(facing, 1.0f);
-}
-
-float Lighting::diffuse(const std::array<float, 3>& normal_lps) const {
-  const float away = dot(normal_lps, to_viewer_);
-  if (!(away < 0)) return one_sided(normal_lps);
-  std::array<float, 3> mirrored{};
-  for (std::size_t a = 0; a < 3; ++a) mirrored[a] = normal_lps[a] - 2 * away * to_viewer_[a];
-  return one_sided(mirrored);
-}
-
 void Lighting::on_surfaces(std::size_t count, const std::array<const float*, 3>& normals_lps, float* diffuse,
                            float* highlight) const {
   const Lighting lighting = *this;  // a copy: the results cannot alias it

@@ -41,9 +41,6 @@ class Lighting {
  public:
   explicit Lighting(const ParallelView& view);
 
-  /// Ambient and diffuse factor of a voxel's colour, in [0, 1]. Voxels are two-sided: a normal that points
-  /// away from the viewer is mirrored at the plane of the picture. The factor is thus continuous.
-  [[nodiscard]] float diffuse(const std::array<float, 3>& normal_lps) const;
   /// Lighting of a surface. `normal_lps` is the interpolated normal of the visible side; it is not negated
   /// where it points away from the viewer near a silhouette.
   [[nodiscard]] SurfaceShading on_surface(const std::array<float, 3>& normal_lps) const {
@@ -68,15 +65,15 @@ class Lighting {
   /// The same as on_surface() for `count` normals, in arrays for SIMD.
   void on_surfaces(std::size_t count, const std::array<const float*, 3>& normals_lps, float* diffuse,
                    float* highlight) const;
-  /// diffuse() of all 65536 packed normals, for hybrid shading. Cost: about 0.1 ms.
+  /// Ambient and diffuse factors of a voxel's colour, in [0, 1], for all 65536 packed normals. Voxels are
+  /// two-sided: a normal that points away from the viewer is mirrored at the plane of the picture. The factor
+  /// is thus continuous. Cost: about 0.1 ms.
   [[nodiscard]] std::vector<float> table() const;
 
  private:
   static constexpr float kAmbient = 0.15f;
   static constexpr float kHighlight = 0.10f;
   static constexpr int kHighlightSquarings = 5;  // (n . h)^32
-
-  [[nodiscard]] float one_sided(const std::array<float, 3>& normal_lps) const;
 
   std::array<float, 3> to_viewer_{}, to_light_{}, half_{};
 };

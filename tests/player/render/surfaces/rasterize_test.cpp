@@ -206,7 +206,7 @@ TEST(Rasterize, LightsSurfacesWithoutAUsableNormalAsIfTheyFacedTheViewer) {
     mesh.normals_lps.assign(3, {value, value, value});
     const Drawn list = *drawing.draw({&surface, 1});
     ASSERT_FALSE(list.fragments.empty());
-    const float expected = Lighting(drawing.view).diffuse({0, -1, 0});
+    const float expected = Lighting(drawing.view).on_surface({0, -1, 0}).diffuse;
     for (const PixelFragment& fragment : list.fragments) EXPECT_NEAR(fragment.rgba[0], expected, 1e-6f);
   }
 }

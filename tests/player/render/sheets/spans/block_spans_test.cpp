@@ -114,7 +114,8 @@ TestVolume volume_of(const Index3& size, std::vector<bool> mask, std::uint8_t gr
 /// RMS of the errors of the lit emissions of a ball, from `rim` on: of the outermost voxels of a grid.
 double light_error(const SpanModel& spans, const Grid& grid, const Vec3& middle, double rim,
                    const Lighting& lighting) {
-  const std::vector<reference::VoxelOptics> voxels = unpacked(spans, grid, lighting.table());
+  const std::vector<float> factors = lighting.table();
+  const std::vector<reference::VoxelOptics> voxels = unpacked(spans, grid, factors);
   double sum = 0;
   int lit = 0;
   std::size_t n = 0;
@@ -124,7 +125,7 @@ double light_error(const SpanModel& spans, const Grid& grid, const Vec3& middle,
     for (std::size_t a = 0; a < 3; ++a)
       radial[a] = static_cast<float>(static_cast<double>(at[a]) - middle[a]);
     if (std::hypot(radial[0], radial[1], radial[2]) < rim || voxel.extinction <= 0) return;
-    const double error = voxel.emission[0] / voxel.extinction - lighting.diffuse(radial);
+    const double error = voxel.emission[0] / voxel.extinction - factors[pack_normal(radial)];
     sum += error * error;
     ++lit;
   });
