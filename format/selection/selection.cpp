@@ -149,6 +149,15 @@ Result<std::vector<std::optional<StructureIndex>>> find_vain(std::span<const Sel
   return vain;
 }
 
+/// Numbers of the terms in the order of application, which StructureDraw::term indexes: for the rest first.
+std::vector<std::size_t> application_order(std::span<const SelectionTerm> terms) {
+  std::vector<std::size_t> order(terms.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_partition(order.begin(), order.end(),
+                        [&](std::size_t n) { return terms[n].target == TermTarget::kRest; });
+  return order;
+}
+
 }  // namespace
 
 Result<void> check_selection(const Selection& selection, const StructureGraph& graph) {
@@ -182,14 +191,6 @@ bool operator==(const VolumeStyle& a, const VolumeStyle& b) {
 bool Selection::empty() const {
   return std::all_of(structures.begin(), structures.end(),
                      [](const StructureDraw& draw) { return draw.mode == DrawMode::kOff; });
-}
-
-std::vector<std::size_t> application_order(std::span<const SelectionTerm> terms) {
-  std::vector<std::size_t> order(terms.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_partition(order.begin(), order.end(),
-                        [&](std::size_t n) { return terms[n].target == TermTarget::kRest; });
-  return order;
 }
 
 Result<std::vector<StructureIndex>> find_target(const StructureGraph& graph, const SelectionTerm& term) {

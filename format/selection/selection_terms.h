@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,9 +11,6 @@
 #include "format/content/selection.h"
 
 namespace splatlas {
-
-/// Numbers of the terms in the order of application, which StructureDraw::term indexes: for the rest first.
-[[nodiscard]] std::vector<std::size_t> application_order(std::span<const SelectionTerm> terms);
 
 /// The structures of a term's name or label, without descendants. Empty for the rest, and for the name "*" in
 /// a graph without structures. kNotFound if there are none.

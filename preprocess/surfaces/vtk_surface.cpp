@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include <vtkCellArray.h>
 #include <vtkFloatArray.h>
@@ -52,6 +53,24 @@ class VertexFinder {
   const StructureCrop& crop_;
   std::vector<std::pair<std::size_t, std::uint32_t>> found_;
 };
+
+/// [vertex of VTK]: the vertex of `mesh`, the surface of `crop`, between the same two voxels. kFailed if
+/// there is none. Cost: n log n for n vertices.
+Result<std::vector<std::uint32_t>> match_vertices(const EdgeTriangles& vtk, const StructureCrop& crop,
+                                                  const SurfaceMesh& mesh) {
+  const VertexFinder finder(crop, mesh);
+  std::vector<std::uint32_t> vertex_of(vtk.positions_ijk.size());
+  for (std::size_t v = 0; v < vertex_of.size(); ++v) {
+    const std::optional<std::uint32_t> vertex = finder.find(vtk.positions_ijk[v]);
+    if (!vertex) {
+      const auto& [i, j, k] = vtk.positions_ijk[v];
+      return fail(ErrorCode::kFailed,
+                  "VTK's surface has a vertex at ({}, {}, {}), where no voxel edge crosses it", i, j, k);
+    }
+    vertex_of[v] = *vertex;
+  }
+  return vertex_of;
+}
 
 std::vector<Triangle> as_set(std::vector<Triangle> triangles) {
   for (Triangle& t : triangles) t = std::min({t, Triangle{t[1], t[2], t[0]}, Triangle{t[2], t[0], t[1]}});
@@ -283,26 +302,6 @@ Result<EdgeTriangles> extract_with_vtk(const StructureCrop& crop) {
   return extract_contour<vtkUnsignedCharArray>(crop, std::span(crop.parts), 0.5);
 }
 
-Result<EdgeTriangles> extract_zeros_with_vtk(const StructureCrop& crop, std::span<const float> field) {
-  return extract_contour<vtkFloatArray>(crop, field, 0);
-}
-
-Result<std::vector<std::uint32_t>> match_vertices(const EdgeTriangles& vtk, const StructureCrop& crop,
-                                                  const SurfaceMesh& mesh) {
-  const VertexFinder finder(crop, mesh);
-  std::vector<std::uint32_t> vertex_of(vtk.positions_ijk.size());
-  for (std::size_t v = 0; v < vertex_of.size(); ++v) {
-    const std::optional<std::uint32_t> vertex = finder.find(vtk.positions_ijk[v]);
-    if (!vertex) {
-      const auto& [i, j, k] = vtk.positions_ijk[v];
-      return fail(ErrorCode::kFailed,
-                  "VTK's surface has a vertex at ({}, {}, {}), where no voxel edge crosses it", i, j, k);
-    }
-    vertex_of[v] = *vertex;
-  }
-  return vertex_of;
-}
-
 Result<bool> adopt_triangles(const EdgeTriangles& vtk, const StructureCrop& crop, const Grid& grid,
                              SurfaceMesh& mesh) {
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::uint32_t> vertex_of, match_vertices(vtk, crop, mesh));
@@ -317,8 +316,10 @@ Result<void> move_to_isosurface(const VoxelBuffer& values, double level, const S
   SPLATLAS_ASSIGN_OR_RETURN(const std::vector<std::uint32_t> vertex_of, match_vertices(vtk, crop, mesh));
   return visit_voxel_type(values.type, [&]<typename T>(T) -> Result<void> {
     const LevelField<T> field(values, level, grid);
+    // In the order of extract_with_vtk() for the mask of the inside voxels
+    const std::vector<float> around_zero = signed_field(field, crop);
     SPLATLAS_ASSIGN_OR_RETURN(const EdgeTriangles zeros,
-                              extract_zeros_with_vtk(crop, signed_field(field, crop)));
+                              extract_contour<vtkFloatArray>(crop, std::span(around_zero), 0));
     if (zeros.triangles != vtk.triangles || zeros.positions_ijk.size() != vtk.positions_ijk.size()) {
       return fail(ErrorCode::kFailed, "VTK's isosurface has {} triangles, that of its voxels {} others",
                   zeros.triangles.size(), vtk.triangles.size());

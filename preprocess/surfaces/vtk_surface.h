@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "format/content/grid.h"
@@ -27,17 +26,6 @@ struct EdgeTriangles {
 /// vtkMarchingCubes in a fraction of the time. kFailed with VTK's message.
 [[nodiscard]] Result<EdgeTriangles> extract_with_vtk(const StructureCrop& crop);
 
-/// The same at the zeros of a field over the voxels of a crop, by linear interpolation. Voxels from 0 on are
-/// inside. Vertices and triangles have the order of extract_with_vtk() for the mask of the inside voxels.
-[[nodiscard]] Result<EdgeTriangles> extract_zeros_with_vtk(const StructureCrop& crop,
-                                                           std::span<const float> field);
-
-/// [vertex of VTK]: the vertex of `mesh`, the surface of `crop`, between the same two voxels. kFailed if
-/// there is none. Cost: n log n for n vertices.
-[[nodiscard]] Result<std::vector<std::uint32_t>> match_vertices(const EdgeTriangles& vtk,
-                                                                const StructureCrop& crop,
-                                                                const SurfaceMesh& mesh);
-
 /// Compares the triangles of a surface by fit_surface() with those of VTK, before smoothing, as sets of
 /// oriented triangles between voxel edges. If they differ, `mesh` gets those of VTK, in the order of
 /// SurfaceMesh, so that the file stores it. Returns whether they agree. kFailed if VTK has a vertex between
@@ -56,7 +44,7 @@ inline constexpr std::int64_t kMaxIsosurfaceSize = 16383;
 /// stay that far from the voxels. A vertex stays where the values do not cross `level` between its voxels, or
 /// are not finite: at the border of the grid and of an enclosing structure, so that the surface stays closed.
 /// `vtk` is extract_with_vtk(crop), `mesh` has its vertices. kFailed with VTK's message. Memory: 4 bytes per
-/// voxel of the crop. Cost: that of match_vertices(), and about 1 us per vertex for normals.
+/// voxel of the crop. Cost: n log n for n vertices, and about 1 us per vertex for normals.
 [[nodiscard]] Result<void> move_to_isosurface(const VoxelBuffer& values, double level,
                                               const StructureCrop& crop, const Grid& grid,
                                               const EdgeTriangles& vtk, SurfaceMesh& mesh);

@@ -18,8 +18,7 @@ constexpr double kMaxWindows = 100;
 IndexBox box_of(const std::vector<FaceClass>& faces, const ClassTable& classes) {
   IndexBox box;
   for (ClassId c = 0; c < faces.size(); ++c) {
-    const IndexBox& of_class = classes.box(c);
-    if (faces[c].has_face() && !of_class.empty()) box.include(of_class);
+    if (faces[c].has_face()) box.include(classes.box(c));
   }
   return box;
 }
@@ -43,8 +42,7 @@ class Window {
   double low_, width_;
 };
 
-}  // namespace
-
+/// The style of a solid, which has the opacity of its surface.
 FaceStyle solid_style(StructureIndex structure, const Selection& selection) {
   const StructureDraw& draw = selection.structures[structure];
   return {structure,
@@ -53,6 +51,7 @@ FaceStyle solid_style(StructureIndex structure, const Selection& selection) {
           {srgb_to_linear(draw.color.r), srgb_to_linear(draw.color.g), srgb_to_linear(draw.color.b)}};
 }
 
+/// The style of a structure's voxels: of a solid if it is one. Volumes have full opacity, ghosts no face.
 FaceStyle face_style(StructureIndex structure, const Selection& selection) {
   const StructureDraw& draw = selection.structures[structure];
   if (draw.mode == DrawMode::kOff || (draw.mode == DrawMode::kSurface && draw.ghost)) return {};
@@ -60,6 +59,8 @@ FaceStyle face_style(StructureIndex structure, const Selection& selection) {
   if (!is_solid(draw)) style.opacity = full_opacity(draw);
   return style;
 }
+
+}  // namespace
 
 std::vector<FaceClass> face_classes(const ClassTable& classes, const Selection& selection,
                                     const DrawPlan& plan, const std::vector<bool>& without) {

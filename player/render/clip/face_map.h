@@ -53,10 +53,6 @@ struct FaceClass : FaceStyle {
 [[nodiscard]] inline bool is_solid(const StructureDraw& draw) {
   return (draw.mode == DrawMode::kSurface || draw.mode == DrawMode::kBoth) && !draw.ghost;
 }
-/// The style of a solid, which has the opacity of its surface.
-[[nodiscard]] FaceStyle solid_style(StructureIndex structure, const Selection& selection);
-/// The style of a structure's voxels: of a solid if it is one. Volumes have full opacity, ghosts no face.
-[[nodiscard]] FaceStyle face_style(StructureIndex structure, const Selection& selection);
 
 /// Faces by ClassId. If several selected structures contain a voxel, the face is that of the latest term;
 /// within a term, of the structure with the higher index. `plan` must be the plan of `selection`. Structures

@@ -26,10 +26,6 @@ constexpr std::uint64_t kBytesToFindEdges = 48;
 constexpr std::size_t kMaxFragments = 0xfffffffe;
 constexpr std::size_t kRowsPerJob = 16;
 
-std::uint64_t pixels_of(const PictureSize& size) {
-  return static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height);
-}
-
 /// Distance from a cutting plane, in voxels, within which surfaces are removed: its face covers them.
 constexpr double kCutMargin = 1.0 / 4096;
 
@@ -96,6 +92,38 @@ std::array<PixelBox, 2> halves(const PixelBox& region) {
   return parts;
 }
 
+/// Merges the depth of a sample of a pixel into a depth map.
+auto depth_merger(const ShownFrame& frame, const ViewDepth& view, DepthMap& depths) {
+  return [&](std::size_t pixel, double x, double y, float depth) {
+    const auto mm =
+        static_cast<float>(view.mm(x, y, frame.depth_axis, frame.depth_sign * static_cast<double>(depth)));
+    depths.mm[pixel] = std::min(depths.mm[pixel], mm);
+  };
+}
+
+/// Merges the depths of the faces of cuts into `depths`, as add_surface_depths(). O(pixels).
+void add_face_depths(const FaceLayer& faces, const ShownFrame& frame, const ViewDepth& view, DepthMap& depths,
+                     ThreadPool& pool) {
+  if (faces.empty()) return;
+  const auto include = depth_merger(frame, view, depths);
+  const auto columns = static_cast<std::size_t>(depths.size.width);
+  pool.for_each(static_cast<std::size_t>(depths.size.height), [&](std::size_t row) {
+    const FaceLayer::Extent shown = faces.shown[row];
+    for (auto column = static_cast<std::size_t>(shown.first); column < static_cast<std::size_t>(shown.last);
+         ++column) {
+      const std::size_t pixel = row * columns + column;
+      const RayFaces of_pixel = faces.at(pixel);
+      const auto& [front, back] = of_pixel;
+      const double x = static_cast<double>(column) + 0.5, y = static_cast<double>(row) + 0.5;
+      if (front.rgba[3] >= 0.5f) {
+        include(pixel, x, y, front.depth);
+      } else if ((1 - front.rgba[3]) * (1 - back.rgba[3]) <= 0.5f) {
+        include(pixel, x, y, back.depth);
+      }
+    }
+  });
+}
+
 }  // namespace
 
 bool shows_faces(const RenderOptions& options) {
@@ -107,7 +135,7 @@ std::uint64_t frame_bytes(const RenderOptions& options) {
   if (options.depths) bytes_per_pixel += 2 * sizeof(float);
   if (shows_faces(options)) bytes_per_pixel += sizeof(RayFaces);
   if (options.ids) bytes_per_pixel += 2 * sizeof(StructureNumber);
-  return picture_bytes(options.size) + pixels_of(options.size) * bytes_per_pixel;
+  return picture_bytes(options.size) + options.size.pixels() * bytes_per_pixel;
 }
 
 Result<void> check_size(const RenderOptions& options, std::uint64_t max_memory_bytes) {
@@ -140,7 +168,7 @@ Result<void> FrameRenderer::run(std::size_t volume_loops, TaskControl& task, Pic
   stats_.voxels_visited = 0;
   stats_.rasterize = stats_.sheets = stats_.resolve = stats_.ids = stats_.depth_cue = {};
   picture.size = size;
-  picture.rgba.resize(4 * pixels_of(size));
+  picture.rgba.resize(4 * size.pixels());
   if (needs_depths()) buffers_.depths.clear(size);
 
   // Draw what is not drawn by regions
@@ -228,7 +256,7 @@ bool FrameRenderer::paints_surfaces() const {
   const RenderOptions& options = scene_.options;
   const bool finds_edges =
       options.antialiasing && options.quality != Quality::kDraft;  // of the whole picture
-  if (finds_edges && pixels_of(options.size) > scene_.max_memory_bytes / 4 / kBytesToFindEdges) return false;
+  if (finds_edges && options.size.pixels() > scene_.max_memory_bytes / 4 / kBytesToFindEdges) return false;
   const bool alone = voxels() == 0 && (slice_axis() || all_opaque());
   return (alone || ends_at_surfaces()) && !options.ids && !needs_depths();
 }
@@ -316,8 +344,7 @@ void fit_ids(const Picture& picture, IdImage& ids) {
     float densest = 0;
     for (int y = std::max(row - 1, 0); y <= std::min(row + 1, height - 1); ++y) {
       for (int x = std::max(column - 1, 0); x <= std::min(column + 1, width - 1); ++x) {
-        const std::size_t other =
-            static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+        const std::size_t other = picture.size.pixel(x, y);
         if (ids.numbers[other] == 0 || opacity_of(other) <= densest) continue;
         densest = opacity_of(other);
         number = ids.numbers[other];
@@ -334,19 +361,6 @@ void fit_ids(const Picture& picture, IdImage& ids) {
   }
 }
 
-namespace {
-
-/// Merges the depth of a sample of a pixel into a depth map.
-auto depth_merger(const ShownFrame& frame, const ViewDepth& view, DepthMap& depths) {
-  return [&](std::size_t pixel, double x, double y, float depth) {
-    const auto mm =
-        static_cast<float>(view.mm(x, y, frame.depth_axis, frame.depth_sign * static_cast<double>(depth)));
-    depths.mm[pixel] = std::min(depths.mm[pixel], mm);
-  };
-}
-
-}  // namespace
-
 void add_surface_depths(const FragmentList& fragments, const ShownFrame& frame, const ViewDepth& view,
                         DepthMap& depths, ThreadPool& pool) {
   const int width = depths.size.width;
@@ -361,28 +375,6 @@ void add_surface_depths(const FragmentList& fragments, const ShownFrame& frame, 
         if (transmittance <= 0.5f) break;
         transmittance *= 1 - fragment.rgba[3];
         if (transmittance <= 0.5f) include(sample.pixel, sample.x(width), sample.y(width), fragment.depth);
-      }
-    }
-  });
-}
-
-void add_face_depths(const FaceLayer& faces, const ShownFrame& frame, const ViewDepth& view, DepthMap& depths,
-                     ThreadPool& pool) {
-  if (faces.empty()) return;
-  const auto include = depth_merger(frame, view, depths);
-  const auto columns = static_cast<std::size_t>(depths.size.width);
-  pool.for_each(static_cast<std::size_t>(depths.size.height), [&](std::size_t row) {
-    const FaceLayer::Extent shown = faces.shown[row];
-    for (auto column = static_cast<std::size_t>(shown.first); column < static_cast<std::size_t>(shown.last);
-         ++column) {
-      const std::size_t pixel = row * columns + column;
-      const RayFaces of_pixel = faces.at(pixel);
-      const auto& [front, back] = of_pixel;
-      const double x = static_cast<double>(column) + 0.5, y = static_cast<double>(row) + 0.5;
-      if (front.rgba[3] >= 0.5f) {
-        include(pixel, x, y, front.depth);
-      } else if ((1 - front.rgba[3]) * (1 - back.rgba[3]) <= 0.5f) {
-        include(pixel, x, y, back.depth);
       }
     }
   });

@@ -184,9 +184,6 @@ void fit_ids(const Picture& picture, IdImage& ids);
 /// which its transmittance falls to one half; a pixel takes its nearest sample. O(fragments).
 void add_surface_depths(const FragmentList& fragments, const ShownFrame& frame, const ViewDepth& view,
                         DepthMap& depths, ThreadPool& pool);
-/// The same for the faces of cuts. O(pixels).
-void add_face_depths(const FaceLayer& faces, const ShownFrame& frame, const ViewDepth& view, DepthMap& depths,
-                     ThreadPool& pool);
 
 /// The result of body(), the work of a public function, with the exceptions of its task as errors. Errors
 /// other than kUsage, which are about options, name the atlas.
