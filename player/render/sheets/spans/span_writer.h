@@ -19,15 +19,12 @@ class SpanWriter {
   SpanWriter(int emissions, SliceSpans& out);
 
   /// Adds `count` voxels from `first` on, in ascending order. The caller sets their extinctions and
-  /// emissions, or whites and then color(), before the next add(). Without extinction they must be 0.
+  /// whites, and then color(), before the next add(). Without extinction they must be 0.
   void add(std::uint32_t first, std::uint32_t count);
   /// Extinctions of the latest voxels, from `first` on.
   [[nodiscard]] float* extinctions(std::uint32_t first) {
     const Blocks& latest = blocks_.back();
     return line_.data() + latest.place + (first - (latest.first << kBlockBits));
-  }
-  [[nodiscard]] float* emissions(std::uint32_t first, int n) {
-    return extinctions(first) + (1 + n) * plane_floats_;
   }
   /// Emissions of white of the latest voxels, from `first` on.
   [[nodiscard]] float* whites(std::uint32_t first) {

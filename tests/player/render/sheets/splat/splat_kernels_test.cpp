@@ -26,8 +26,8 @@ SliceSpans slice_of(const std::vector<Scanline>& rows, int emissions) {
       if (rows[r][n][0] <= 0) continue;
       writer.add(n, 1);
       *writer.extinctions(n) = rows[r][n][0];
-      for (int c = 0; c < emissions; ++c)
-        *writer.emissions(n, c) = rows[r][n][static_cast<std::size_t>(c) + 1];
+      *writer.whites(n) = emissions == 1 ? rows[r][n][1] : 1;
+      writer.color(n, 1, {rows[r][n][1], rows[r][n][2], rows[r][n][3]});
     }
     writer.end_row(static_cast<std::int64_t>(r));
   }
