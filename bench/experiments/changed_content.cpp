@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -45,7 +44,7 @@ void number_classes(const std::vector<std::vector<Membership>>& members, AtlasCo
     for (std::int64_t j = 0; j < size[1]; ++j) {
       for (std::int64_t i = 0; i < size[0]; ++i, ++voxel) {
         ++counts[content.class_volume[voxel]];
-        boxes[content.class_volume[voxel]].include(Index3{i, j, k});
+        boxes[content.class_volume[voxel]].include({{i, j, k}, {i, j, k}});
       }
     }
   }

@@ -37,10 +37,6 @@ bool overlap(const IndexBox& a, const IndexBox& b) {
   return !a.empty() && !b.empty();
 }
 
-void IndexBox::include(const Index3& voxel) {
-  include(IndexBox{voxel, voxel});
-}
-
 void IndexBox::include(const IndexBox& other) {
   if (other.empty()) return;
   if (empty()) {

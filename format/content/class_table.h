@@ -38,7 +38,6 @@ struct IndexBox {
   friend bool operator==(const IndexBox&, const IndexBox&) = default;
   [[nodiscard]] bool empty() const { return first[0] > last[0]; }
   [[nodiscard]] std::uint64_t voxels() const;
-  void include(const Index3& voxel);
   void include(const IndexBox& other);
 };
 

@@ -102,7 +102,8 @@ std::optional<MmBox> labelled_box(const SourceModel& model) {
   for (std::int64_t v = 0; v < grid.voxels(); ++v) {
     if (voxels[static_cast<std::size_t>(v)] == 0) continue;
     const std::int64_t row = v / grid.size[0];
-    box.include(Index3{v % grid.size[0], row % grid.size[1], row / grid.size[1]});
+    const Index3 voxel{v % grid.size[0], row % grid.size[1], row / grid.size[1]};
+    box.include({voxel, voxel});
   }
   if (box.empty()) box = {{0, 0, 0}, {grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1}};
   const auto [low, high] = box_lps_mm(grid, box.first, box.last);

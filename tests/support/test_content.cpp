@@ -109,7 +109,7 @@ void frame(const std::vector<std::vector<bool>>& masks, const Grid& grid, Displa
   for (const auto& mask : masks) {
     const auto holds = holds_in(mask, grid.size);
     for_each_voxel(grid.size, [&](const Index3& at) {
-      if (holds(at)) box.include(at);
+      if (holds(at)) box.include({at, at});
     });
   }
   if (box.empty()) box = {{0, 0, 0}, {grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1}};

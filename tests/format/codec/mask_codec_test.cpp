@@ -28,7 +28,7 @@ Shape shape_of(const Index3& size, Axis axis, Covers&& covers) {
   for_each_voxel(size, [&](const Index3& at) {
     volume.push_back(covers(at[0], at[1], at[2]) ? 1 : 0);
     if (volume.back() == 0) return;
-    shape.box.include(at);
+    shape.box.include({at, at});
     ++shape.voxels;
   });
   shape.runs = encode_runs(volume, size, axis, 2).classes[1];

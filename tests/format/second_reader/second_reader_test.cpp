@@ -52,7 +52,7 @@ AtlasContent hollow_content() {
   for (std::int64_t j = 10; j < 30; ++j) {
     for (std::int64_t i = 10; i < 30; ++i) {
       if (random() % 2 == 0) continue;
-      box.include(Index3{i, j, 10});
+      box.include({{i, j, 10}, {i, j, 10}});
       content.class_volume[static_cast<std::size_t>(content.source_grid.offset(i, j, 10))] = boundary;
       ++voxels;
     }

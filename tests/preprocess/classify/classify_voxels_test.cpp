@@ -107,7 +107,8 @@ RC_GTEST_PROP(ClassifyVoxels, EveryVoxelHasTheClassOfTheDefinition, ()) {
     const ClassId c = volume[static_cast<std::size_t>(v)];
     RC_ASSERT(members_of(result->classes, c) == expected_members(masks, size, crossed, v));
     ++counts[c];
-    boxes[c].include(Index3{v % size[0], v / size[0] % size[1], v / (size[0] * size[1])});
+    const Index3 voxel{v % size[0], v / size[0] % size[1], v / (size[0] * size[1])};
+    boxes[c].include({voxel, voxel});
   }
   for (ClassId c = 0; c < counts.size(); ++c) {
     RC_ASSERT(result->classes.voxels(c) == counts[c]);
