@@ -173,11 +173,7 @@ class FitComparer {
 }  // namespace
 
 std::uint64_t crop_voxels(const IndexBox& box) {
-  std::uint64_t voxels = 1;
-  // Cannot overflow: a valid box has at most 2^40 voxels, 2^24 per axis.
-  for (std::size_t a = 0; a < 3; ++a)
-    voxels *= static_cast<std::uint64_t>(box.last[a] - box.first[a] + 1 + 2 * SmoothGradient::kRadius);
-  return voxels;
+  return around(box).voxels();  // cannot overflow: a valid box has at most 2^40 voxels, 2^24 per axis
 }
 
 FittedParts find_fitted_parts(const AtlasContent& content, const RunModel& runs, unsigned threads) {

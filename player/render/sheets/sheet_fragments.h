@@ -56,7 +56,7 @@ class BandImage {
   [[nodiscard]] std::int64_t row_stride() const { return scale_ * phase_stride(); }
 
   /// Pixel 0 of the first plane.
-  [[nodiscard]] const float* row(std::int64_t fine_row, std::int64_t phase) const {
+  [[nodiscard]] float* row(std::int64_t fine_row, std::int64_t phase) const {
     return floats_.data() + (fine_row - first_) * row_stride() + phase * phase_stride() + ImageRows::kMargin;
   }
   [[nodiscard]] const OpaquePixels& opaque(std::int64_t fine_row, std::int64_t phase) const {
@@ -64,9 +64,7 @@ class BandImage {
   }
   /// Kernel access from a fine row and a phase on. Pairs of voxel rows are `scale` fine rows apart.
   [[nodiscard]] ImageRows rows(std::int64_t fine_row, std::int64_t phase) {
-    float* pixels =
-        floats_.data() + (fine_row - first_) * row_stride() + phase * phase_stride() + ImageRows::kMargin;
-    return {pixels,
+    return {row(fine_row, phase),
             columns_,
             stride_,
             phase_stride(),
