@@ -22,6 +22,22 @@ TileRasterizer& worker_of_thread() {
   return worker;
 }
 
+/// Summarises the faces of the pixels of row y from column x_first on.
+void see_faces(const RasterScene& scene, std::int32_t x_first, std::int32_t y, float termination_threshold,
+               std::span<SurfacesSeen> row) {
+  std::fill(row.begin(), row.end(), SurfacesSeen{});
+  if (scene.faces == nullptr) return;
+  const auto [first, last] = scene.faces->shown[static_cast<std::size_t>(y)];
+  const std::int32_t x_end = x_first + static_cast<std::int32_t>(row.size());
+  for (std::int32_t x = std::max(first, x_first); x < std::min(last, x_end); ++x) {
+    SurfacesSeen& seen = row[static_cast<std::size_t>(x - x_first)];
+    const RayFaces faces = scene.faces->at(scene.size.pixel(x, y));
+    seen.add(faces.front, 1);
+    const float transmittance = 1 - faces.front.rgba[3];
+    if (transmittance > termination_threshold) seen.add(faces.back, transmittance);
+  }
+}
+
 }  // namespace
 
 SurfaceDraw surface_draw(StructureIndex s, const StructureDraw& appearance, const SurfaceMesh& mesh,
@@ -81,11 +97,20 @@ Result<void> Rasterizer::draw_tiles(const RasterScene& scene, const RasterOption
 
   // Draw the centres of all pixels
   centers_.resize(bins_.tiles());
-  seen_.resize(options.edge_samples > 1 ? scene.region.pixels() : 0);
+  const bool has_surfaces = triangles_of(scene) > 0;
+  seen_.resize(has_surfaces && options.edge_samples > 1 ? scene.region.pixels() : 0);
   const auto has_faces_alone = [&](std::size_t n) { return paint == nullptr && bins_.of_tile(n).empty(); };
   pool.for_each(centers_.size(), [&](std::size_t n) {
     centers_[n].fragments.clear();
-    if (has_faces_alone(n)) return see_faces(scene, bins_.box(n), options.termination_threshold);
+    if (has_faces_alone(n)) {
+      check_task();
+      const PixelBox box = bins_.box(n);
+      for (std::int32_t y = box.y_first; y <= box.y_last && !seen_.empty(); ++y)
+        see_faces(scene, box.x_first, y, options.termination_threshold,
+                  std::span(seen_).subspan(scene.region.place(box.x_first, y),
+                                           static_cast<std::size_t>(box.width())));
+      return;
+    }
     TileRasterizer& worker = worker_of_thread();
     worker.begin(scene, bins_.box(n),
                  {options.termination_threshold, paint == nullptr, bins_.of_tile(n).empty(), seen_});
@@ -96,8 +121,14 @@ Result<void> Rasterizer::draw_tiles(const RasterScene& scene, const RasterOption
   edges_.resize(options.edge_samples > 1 ? bins_.tiles() : 0);
   if (!edges_.empty() && !count.too_many) {
     pattern_ = sample_pattern(options.edge_samples);
-    find_edge_pixels(seen_, {scene.region.width(), scene.region.height()}, scene.pixel_voxels, is_edge_,
-                     pool);
+    const PictureSize size{scene.region.width(), scene.region.height()};
+    const SeenRow seen = [&](std::int32_t row, std::vector<SurfacesSeen>& room) -> const SurfacesSeen* {
+      if (has_surfaces) return &seen_[size.pixel(0, row)];
+      room.resize(static_cast<std::size_t>(size.width));
+      see_faces(scene, scene.region.x_first, scene.region.y_first + row, options.termination_threshold, room);
+      return room.data();
+    };
+    find_edge_pixels(seen, size, scene.pixel_voxels, is_edge_, pool);
     if (paint == nullptr)
       count.add(pattern_.size() * static_cast<std::size_t>(std::ranges::count(is_edge_, 1)));
     pool.for_each(edges_.size(), [&](std::size_t n) {
@@ -114,21 +145,6 @@ Result<void> Rasterizer::draw_tiles(const RasterScene& scene, const RasterOption
               "the surfaces leave more than {} fragments at one place, too many for the memory allowed; "
               "select fewer translucent surfaces, or raise --memory",
               options.max_fragments);
-}
-
-void Rasterizer::see_faces(const RasterScene& scene, const PixelBox& tile, float termination_threshold) {
-  check_task();
-  if (seen_.empty()) return;
-  for (std::int32_t y = tile.y_first; y <= tile.y_last; ++y) {
-    for (std::int32_t x = tile.x_first; x <= tile.x_last; ++x) {
-      SurfacesSeen& seen = seen_[scene.region.place(x, y)] = {};
-      if (scene.faces == nullptr) continue;
-      const RayFaces faces = scene.faces->at(PixelBox::of(scene.size).place(x, y));
-      seen.add(faces.front, 1);
-      const float transmittance = 1 - faces.front.rgba[3];
-      if (transmittance > termination_threshold) seen.add(faces.back, transmittance);
-    }
-  }
 }
 
 void Rasterizer::draw_and_finish(std::size_t tile, TileRasterizer& worker, const PaintTile* paint,

@@ -55,8 +55,6 @@ class Rasterizer {
   /// Paints every sample, or keeps its fragments if `paint` is null.
   [[nodiscard]] Result<void> draw_tiles(const RasterScene& scene, const RasterOptions& options,
                                         const PaintTile* paint, ThreadPool& pool);
-  /// Sets seen_ to the visible faces of a tile without surfaces.
-  void see_faces(const RasterScene& scene, const PixelBox& tile, float termination_threshold);
   /// Draws a tile that `worker` has begun, and paints it or keeps its fragments in `out`.
   void draw_and_finish(std::size_t tile, TileRasterizer& worker, const PaintTile* paint, TileFragments& out,
                        Count& count) const;
@@ -71,7 +69,7 @@ class Rasterizer {
   TileBins bins_;
   std::vector<TileFragments> centers_, edges_;  // by tile; edges_ is empty without supersampling
   std::span<const SubPixel> pattern_;           // of edge pixels
-  std::vector<SurfacesSeen> seen_;              // by pixel of the region
+  std::vector<SurfacesSeen> seen_;              // by pixel of the region; empty without surfaces
   std::vector<std::uint8_t> is_edge_;           // the same
 };
 

@@ -10,7 +10,7 @@
 namespace splatlas {
 namespace {
 
-constexpr std::size_t kRowsPerChunk = 16;
+constexpr std::int32_t kRowsPerChunk = 16;
 
 bool differ(const std::array<float, 4>& a, const std::array<float, 4>& b, float by) {
   bool any = false;
@@ -42,7 +42,7 @@ void SurfacesSeen::add(const Face& face, float transmittance) {
   if (face.shows()) add(kFaceSide | face.structure, transmittance, {face.depth, face.rgba, face.structure});
 }
 
-void find_edge_pixels(std::span<const SurfacesSeen> seen, const PictureSize& size, float pixel_voxels,
+void find_edge_pixels(const SeenRow& seen, const PictureSize& size, float pixel_voxels,
                       std::vector<std::uint8_t>& edges, ThreadPool& pool) {
   const auto edge_between = [max_depth = kEdgeSlope * pixel_voxels](const SurfacesSeen& a,
                                                                     const SurfacesSeen& b) {
@@ -50,23 +50,28 @@ void find_edge_pixels(std::span<const SurfacesSeen> seen, const PictureSize& siz
            differ(a.radiance.rgba, b.radiance.rgba, kEdgeContrast);
   };
   const auto width = static_cast<std::size_t>(size.width);
-  const auto height = static_cast<std::size_t>(size.height);
-  edges.assign(width * height, 0);
-  pool.for_each((height + kRowsPerChunk - 1) / kRowsPerChunk, [&](std::size_t chunk) {
-    const std::size_t first = chunk * kRowsPerChunk;
-    for (std::size_t row = first; row < std::min(first + kRowsPerChunk, height); ++row) {
-      const SurfacesSeen* here = &seen[row * width];
-      std::uint8_t* const edge = &edges[row * width];
+  edges.assign(size.pixels(), 0);
+  const std::int32_t chunks = (size.height + kRowsPerChunk - 1) / kRowsPerChunk;
+  pool.for_each(static_cast<std::size_t>(chunks), [&](std::size_t chunk) {
+    const std::int32_t first = static_cast<std::int32_t>(chunk) * kRowsPerChunk;
+    std::array<std::vector<SurfacesSeen>, 3> rooms;
+    const auto row_at = [&](std::int32_t y) {
+      return y < 0 || y >= size.height ? nullptr : seen(y, rooms[static_cast<std::size_t>(y + 1) % 3]);
+    };
+    const SurfacesSeen* above = row_at(first - 1);
+    const SurfacesSeen* here = row_at(first);
+    for (std::int32_t y = first; y < first + kRowsPerChunk && here != nullptr; ++y) {
+      const SurfacesSeen* const below = row_at(y + 1);
+      std::uint8_t* const edge = &edges[size.pixel(0, y)];
       for (std::size_t x = 1; x < width; ++x) {
         if (edge_between(here[x - 1], here[x])) edge[x - 1] = edge[x] = 1;
       }
       // Test both vertical neighbours, so that a chunk writes only to its own rows
-      const SurfacesSeen* const above = row > 0 ? here - width : nullptr;
-      const SurfacesSeen* const below = row + 1 < height ? here + width : nullptr;
       for (std::size_t x = 0; x < width; ++x) {
         if (above != nullptr && edge_between(here[x], above[x])) edge[x] = 1;
         if (below != nullptr && edge_between(here[x], below[x])) edge[x] = 1;
       }
+      above = std::exchange(here, below);
     }
   });
 }

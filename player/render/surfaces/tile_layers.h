@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -81,9 +82,12 @@ inline constexpr float kEdgeContrast = 1.0f / 32;
 inline constexpr float kEdgeLayers = 1.0f / 16;
 inline constexpr float kEdgeSlope = 4;
 
+/// The summaries of a row of pixels. May write them to the vector, which keeps its size from row to row.
+using SeenRow = std::function<const SurfacesSeen*(std::int32_t row, std::vector<SurfacesSeen>& room)>;
+
 /// Sets `edges` to 1 for every pixel with an edge to one of its four neighbours, else to 0. Edges are visible
-/// silhouettes, borders and intersections. `pixel_voxels` is that of RasterScene.
-void find_edge_pixels(std::span<const SurfacesSeen> seen, const PictureSize& size, float pixel_voxels,
+/// silhouettes, borders and intersections. `pixel_voxels` is that of RasterScene. `seen`: thread-safe.
+void find_edge_pixels(const SeenRow& seen, const PictureSize& size, float pixel_voxels,
                       std::vector<std::uint8_t>& edges, ThreadPool& pool);
 
 /// Intersection of a surface with the ray of a slot, a sample of a tile.

@@ -16,7 +16,8 @@ SurfacesSeen seen(std::uint32_t side, float share, float grey, float depth) {
 std::vector<std::uint8_t> edges_of(const std::vector<SurfacesSeen>& pixels, float pixel_voxels = 1) {
   ThreadPool pool(2);
   std::vector<std::uint8_t> edges;
-  find_edge_pixels(pixels, kSize, pixel_voxels, edges, pool);
+  const auto row = [&](std::int32_t y, std::vector<SurfacesSeen>&) { return &pixels[kSize.pixel(0, y)]; };
+  find_edge_pixels(row, kSize, pixel_voxels, edges, pool);
   return edges;
 }
 
