@@ -180,7 +180,7 @@ void TileRasterizer::draw(const TileCluster& of) {
   }
 }
 
-/// True if every sample in the blocks of a cluster is behind an opaque surface.
+/// True if every sample in the blocks of a cluster is behind an opaque surface, or behind its own hull.
 bool TileRasterizer::is_hidden(const TileCluster& of) const {
   for (std::uint32_t y = of.y_first; y <= of.y_last; ++y) {
     for (std::uint32_t x = of.x_first; x <= of.x_last; ++x) {
