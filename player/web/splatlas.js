@@ -53,11 +53,12 @@ class Module {
     return [status, new TextDecoder().decode(answer)];
   }
 
-  picture(width, height) {
+  picture(width, height, quality) {
     const pixels = this.#wasm.splatlas_pixels();
     if (pixels === 0) throw new SplatlasError('limit', 'out of memory');
     const data = new Uint8ClampedArray(this.#wasm.memory.buffer, pixels, 4 * width * height).slice();
-    return {data, part: [0, 0, width, height]};
+    if (quality !== 'draft') this.#wasm.splatlas_rest();
+    return {data, part: [0, 0, width, height], heap: this.#wasm.memory.buffer.byteLength};
   }
 
   floats(count) {
@@ -141,14 +142,15 @@ class Splatlas {
   select(text) { return this.#call('select', {select: text}); }
 
   /** Renders a state. docs/web.md has its keys, and those of the picture. @param {object} state
-   * @returns {{width: number, height: number, data: Uint8ClampedArray, part: number[], missing: string[]}} `data` as
-   *   ImageData, of a module the whole picture, of a server its part [x, y, width, height]; the rest is transparent */
+   * @returns {{width: number, height: number, data: Uint8ClampedArray, part: number[], missing: string[], heap: number}}
+   *   `data` as ImageData, of a module the whole picture, of a server its part [x, y, width, height]; the rest is
+   *   transparent. `heap`: bytes of the module's memory, which never shrinks */
   draw(state) {
     this.#values = 0;
     const answer = this.#call('draw', state);
     const [width, height] = state.size;
     this.#values = 4 * width * height;
-    return {...answer, width, height, ...this.#engine.picture(width, height)};
+    return {...answer, width, height, ...this.#engine.picture(width, height, state.quality)};
   }
 
   /** The camera that draw() would take for a state. @returns {object} */

@@ -71,6 +71,11 @@ SPLATLAS_WEB(splatlas_floats) const float* splatlas_floats() {
   return module().engine.frame().picture.rgba.data();
 }
 
+/// After a finished picture: the next selection takes the memory of its buffers.
+SPLATLAS_WEB(splatlas_rest) void splatlas_rest() {
+  module().engine.rest();
+}
+
 /// The same as 8-bit sRGB with straight alpha, for ImageData. Null when out of memory.
 SPLATLAS_WEB(splatlas_pixels) const std::uint8_t* splatlas_pixels() try {
   module().pixels = to_srgba8(module().engine.frame().picture);

@@ -1,10 +1,14 @@
-// Replaces files, environment and memory limit of a system, in sources of the format and functions of the C
-// library. The module thus imports only a clock and an exit.
+// Replaces files, environment, pages and memory limit of a system, in sources of the format and functions of
+// the C library. The module thus imports only a clock and an exit.
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
 #include <utility>
 
 #include "format/io/input_file.h"
 #include "format/io/memory_limit.h"
 #include "format/result_macros.h"
+#include "player/render/decode/sparse_bytes.h"
 #include "player/render/rays/march_kernels.h"
 #include "player/render/sheets/splat/splat_kernels.h"
 
@@ -39,6 +43,27 @@ std::uint64_t machine_memory() {
 }
 std::uint64_t default_memory_limit() {
   return machine_memory() / 2;
+}
+
+// The heap takes whole ranges. What drop() gives back is free for others: dlmalloc shrinks in place.
+constexpr std::size_t kLine = 64;
+
+Result<SparseBytes> SparseBytes::reserve(std::uint64_t bytes) {
+  const auto size = static_cast<std::size_t>(std::min(bytes, machine_memory()) / kLine + 1) * kLine;
+  void* const data = std::aligned_alloc(kLine, size);
+  if (data == nullptr) return fail(ErrorCode::kLimit, "cannot reserve {} bytes; select less", bytes);
+  SparseBytes sparse;
+  sparse.data_ = {static_cast<std::byte*>(std::memset(data, 0, size)), Unmap{data, size, size}};
+  return sparse;
+}
+void SparseBytes::Unmap::operator()(std::byte* /*data*/) const {
+  std::free(mapped);
+}
+void SparseBytes::expect_dense() {}
+void SparseBytes::drop(std::size_t bytes) {
+  const std::size_t kept = std::max(bytes, kLine);
+  void* const data = std::realloc(data_.release(), kept);
+  data_ = {static_cast<std::byte*>(data), Unmap{data, kept, kept}};
 }
 
 // The module has one instruction set.

@@ -17,7 +17,7 @@ class SparseBytes {
   /// Announces dense writes, so that it may be backed by large pages (2 MiB). Their page faults
   /// cost a third per byte. A hint: no effect on systems without large pages.
   void expect_dense();
-  /// Frees the memory behind the first `bytes`. Later reads may find zeros.
+  /// Frees the memory behind the first `bytes`. Later reads may find zeros, or size() is less.
   void drop(std::size_t bytes);
   [[nodiscard]] std::byte* data() const { return data_.get(); }
   [[nodiscard]] std::size_t size() const { return data_ ? data_.get_deleter().size : 0; }

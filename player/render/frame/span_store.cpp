@@ -85,8 +85,8 @@ SheetVolume SpanStore::prepare(const SpanSource& source, const ParallelView& vie
 
   const std::uint64_t voxels = plan.volume_voxels + plan.hybrid_voxels;
   const std::uint64_t bytes = span_model_bytes(voxels, std::min(runs.count(), voxels));
-  // Keep one axis; for drafts, which follow the pointer to and fro, two if memory holds them
-  const bool keeps_two = options.quality == Quality::kDraft && 2 * bytes <= max_bytes;
+  // Keep one axis; for drafts, which follow the pointer to and fro, two in a quarter of the memory
+  const bool keeps_two = options.quality == Quality::kDraft && 8 * bytes <= max_bytes;
   for (const Axis other : kAxes) {
     const bool is_kept = other == axis || (keeps_two && (axis == latest_ || other == latest_));
     if (!is_kept || bytes > max_bytes) spans_[static_cast<std::size_t>(other)].reset();

@@ -50,9 +50,9 @@ struct AxisSpans {
   void require(const SpanSource& source, SelectedRuns selected, ThreadPool& pool);
 };
 
-/// Cache of spans by axis: of one, for drafts of two. Keeps the spans of the latest axis after a change of
-/// selection, and reuses their unchanged parts. Pictures other than drafts borrow the spans that another
-/// store has of the same selection, if any. Not thread-safe.
+/// Cache of spans by axis: of one, for drafts of two in a quarter of the memory. Keeps the spans of the
+/// latest axis after a change of selection, and reuses their unchanged parts. Pictures other than drafts
+/// borrow the spans that another store has of the same selection, if any. Not thread-safe.
 class SpanStore {
  public:
   /// Prepares the volume of a frame: chooses its detail, and builds spans unless they are current. Blocks

@@ -4,6 +4,7 @@
 const kDraftBudget = 33;   // ms
 const kRefineDelay = 120;  // ms of rest before a refinement
 const kMaxRestarts = 3;
+const kLargeHeap = 320 << 20, kRestDelay = 5000;  // bytes, ms: a larger refining worker ends so long after its picture
 const kFirstPiece = 65536;  // bytes: header and directory of most atlases
 
 /** The text of a data block of the page. */
@@ -85,12 +86,13 @@ class Engine {
   #lessons = '';   // address that saves lessons
   #remote = null;
   #source;
-  #workers = [];  // drafts and picks, and refines; the same one on a single core
+  #workers = [];  // drafts and picks, and refines (null: ended); the same one on a single core
   #serial = 0;
   #state = null;
   #asked = 0;     // serial number of the latest refinement that a worker was asked for
   #refined = 0;   // and of the latest that has come
-  #timer = 0;
+  #timer = 0;     // to refine, or to end the refining worker
+  #isLarge = false;  // the refining worker
   #fit = null;    // {resolve, reject} of the latest fit
   #restarts = [0, 0];  // of each worker, since its latest picture
   #isReady = false;
@@ -154,9 +156,9 @@ class Engine {
     this.#state = state;
     ++this.#serial;
     clearTimeout(this.#timer);
-    this.#workers[0].postMessage(
-      {...state, type: 'draw', serial: this.#serial, quality: 'draft', budget: kDraftBudget, isHasty});
-    if (isNew && this.#workers.length > 1) this.#refineSoon();  // decoding takes longer than drawing
+    this.#draft(isHasty);
+    if (this.#workers.at(-1) === null) this.#refine();
+    else if (isNew && this.#workers.length > 1) this.#refineSoon();  // decoding takes longer than drawing
   }
 
   /** Asks for the structure at {u, v}, from 0 to 1 in the picture. The answer has the whole pick. */
@@ -167,7 +169,11 @@ class Engine {
   ask(type, request) { this.#workers[0].postMessage({type, serial: this.#serial, ...request}); }
 
   /** Asks for names on the finished picture. */
-  label(options) { this.#workers.at(-1).postMessage({type: 'label', serial: this.#serial, options}); }
+  label(options) {
+    if (this.#workers.at(-1) === null) return this.#refine();  // its picture is labelled
+    if (this.isRefined()) this.#restLater();
+    return this.#workers.at(-1).postMessage({type: 'label', serial: this.#serial, options});
+  }
 
   /** The camera of a state with `fit`. No picture comes before the next show(). @returns {Promise<?object>} null once a
    * later fit is asked for */
@@ -225,9 +231,11 @@ class Engine {
     this.#restarts[n] = 0;
     if (message.isFitted) this.#state = {...this.#state, camera: message.camera};
     const isDraft = message.quality === 'draft';
-    if (!isDraft) this.#refined = this.#serial;
+    if (!isDraft) [this.#refined, this.#isLarge] = [this.#serial, n > 0 && message.heap > kLargeHeap];
     if (!isDraft || this.#refined !== this.#serial) this.#handlers.picture(message);
-    if (isDraft) this.#refineSoon();
+    if (message.isHasty) this.#draft(false);
+    else if (isDraft) this.#refineSoon();
+    else this.#restLater();
     return undefined;
   }
 
@@ -244,14 +252,34 @@ class Engine {
     }
   }
 
+  /** `isHasty`: in the middle of a refinement. A smaller draft comes first. */
+  #draft(isHasty) {
+    this.#workers[0].postMessage(
+      {...this.#state, type: 'draw', serial: this.#serial, quality: 'draft', budget: kDraftBudget, isHasty});
+  }
+
   #refineSoon() {
-    clearTimeout(this.#timer);
     if (this.#asked === this.#serial) return;
-    const [serial, state] = [this.#serial, this.#state];
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => this.#refine(), kRefineDelay);
+  }
+
+  #refine() {
+    this.#asked = this.#serial;
+    const last = this.#workers.length - 1;
+    this.#workers[last] ??= this.#begin(last);
+    this.#workers[last].postMessage({...this.#state, type: 'draw', serial: this.#serial, quality: 'normal', budget: 0});
+  }
+
+  /** Gives the memory of a large refining worker back, which a module's heap cannot. The next state begins another one
+   * at once: it decodes beside the drafts. */
+  #restLater() {
+    clearTimeout(this.#timer);
+    if (!this.#isLarge) return;
     this.#timer = setTimeout(() => {
-      this.#asked = serial;
-      this.#workers.at(-1).postMessage({...state, type: 'draw', serial, quality: 'normal', budget: 0});
-    }, kRefineDelay);
+      this.#workers.at(-1).terminate();
+      this.#workers[this.#workers.length - 1] = null;
+    }, kRestDelay);
   }
 
   /** Replaces a worker whose module has failed. */

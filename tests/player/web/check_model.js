@@ -76,7 +76,8 @@ async function refinesAgain() {
   let due = null;
   class Worker {
     constructor() { workers.push(this); }
-    postMessage({type, quality}) { if (type === 'draw') asked.push(quality); }
+    postMessage({type, quality, isHasty}) { if (type === 'draw') asked.push(isHasty ? 'hasty' : quality); }
+    terminate() { asked.push('ended'); }
   }
   const world = {
     Worker, document: {getElementById: () => ({dataset: {served: ''}, textContent: ''})}, location: {}, history: {replaceState() {}},
@@ -93,5 +94,18 @@ async function refinesAgain() {
   drafts.onmessage({data: {type: 'picture', serial: 1, quality: 'draft'}});
   due();
   assert.deepStrictEqual(asked, ['draft', 'normal', 'normal']);
+
+  // A draft in the middle of a refinement is a small one, and another one follows it
+  engine.show({select: 'Brain', camera: {}});
+  drafts.onmessage({data: {type: 'picture', serial: 2, quality: 'draft', isHasty: true}});
+  drafts.onmessage({data: {type: 'picture', serial: 2, quality: 'draft'}});
+  due();
+  assert.deepStrictEqual(asked.slice(3), ['hasty', 'draft', 'normal']);
+
+  // A large refining worker ends once it rests; another one decodes the next state at once
+  refiner.onmessage({data: {type: 'picture', serial: 2, quality: 'normal', heap: 1e9}});
+  due();
+  engine.show({select: 'Brain', camera: {}});
+  assert.deepStrictEqual([workers.length, asked.slice(6)], [3, ['ended', 'draft', 'normal']]);
 }
 refinesAgain();

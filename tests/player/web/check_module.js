@@ -12,7 +12,7 @@ require('../../../player/web/splatlas.js');
 
 const kImports = ['wasi_snapshot_preview1.clock_time_get', 'wasi_snapshot_preview1.proc_exit'];
 const kExports = ['__wasm_call_ctors', 'memory', 'splatlas_call', 'splatlas_floats', 'splatlas_input', 'splatlas_pixels',
-  'splatlas_text', 'splatlas_text_bytes'];
+  'splatlas_rest', 'splatlas_text', 'splatlas_text_bytes'];
 
 function draw(splatlas, atlas, scene) {
   splatlas.open(atlas);
@@ -49,6 +49,7 @@ async function checkPictures(module, folder) {
   }
   assert(shown > 50 && picked > 50);
   checkScenes(splatlas, fs.readFileSync(path.join(folder, 'lesson.atlas')));
+  assert(splatlas.draw({size: [8, 8], camera: {}}).heap < 32 << 20, 'the module keeps too much memory');
   console.log(`${scenes.length} pictures, ${shown} not empty, ${picked} picks: at most ${worst} of full scale apart`);
 }
 

@@ -57,6 +57,7 @@ OpticalBuffer OpticalArena::lend(std::size_t floats) {
     if (chunk->size - chunk->used >= floats) return lend_rest(chunk);
     chunk->lent = true;  // full
     if (2 * floats * sizeof(float) >= kLargePages) chunk->memory.drop(chunk->used * sizeof(float));
+    chunk->size = chunk->memory.size() / sizeof(float);
   }
   const auto chunk = std::make_shared<Chunk>();
   Result<SparseBytes> memory = SparseBytes::reserve(std::max(kChunkBytes, 2 * floats * sizeof(float)));
