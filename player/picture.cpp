@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "format/result_macros.h"
 #include "format/tasks/task_control.h"
 #include "format/text/ascii_text.h"
 
@@ -47,23 +46,16 @@ void check_stop(std::size_t n) {
 
 }  // namespace
 
-Result<void> to_srgb8(const Picture& picture, Rgb background, std::span<std::uint8_t> out) {
-  if (const std::size_t bytes = picture.rgba.size() / 4 * 3; out.size() != bytes)
-    return fail(ErrorCode::kUsage, "picture: the buffer has {} bytes; its pixels take {}", out.size(), bytes);
+std::vector<std::uint8_t> to_srgb8(const Picture& picture, Rgb background) {
   const SrgbEncoder& encode = srgb_encoder();
   const std::array<float, 3> behind{srgb_to_linear(background.r), srgb_to_linear(background.g),
                                     srgb_to_linear(background.b)};
-  for (std::size_t n = 0; n < out.size() / 3; ++n) {
+  std::vector<std::uint8_t> bytes(picture.rgba.size() / 4 * 3);
+  for (std::size_t n = 0; n < bytes.size() / 3; ++n) {
     check_stop(n);
     const float* p = &picture.rgba[4 * n];
-    for (std::size_t c = 0; c < 3; ++c) out[3 * n + c] = encode(p[c] + (1.0f - p[3]) * behind[c]);
+    for (std::size_t c = 0; c < 3; ++c) bytes[3 * n + c] = encode(p[c] + (1.0f - p[3]) * behind[c]);
   }
-  return {};
-}
-
-std::vector<std::uint8_t> to_srgb8(const Picture& picture, Rgb background) {
-  std::vector<std::uint8_t> bytes(picture.rgba.size() / 4 * 3);
-  static_cast<void>(to_srgb8(picture, background, bytes));
   return bytes;
 }
 

@@ -90,14 +90,12 @@ struct MissingPart {
 /// Composites the picture over a background and converts it to 8-bit sRGB triples (IEC 61966-2-1). Values are
 /// clamped to [0, 1] and rounded here; NaN counts as 0. O(pixels), thread-safe.
 [[nodiscard]] std::vector<std::uint8_t> to_srgb8(const Picture& picture, Rgb background);
-/// The same into an existing buffer, for viewers: a new one costs page faults in every frame. kUsage unless
-/// `out` has 3 bytes per pixel. Allocates nothing.
-[[nodiscard]] Result<void> to_srgb8(const Picture& picture, Rgb background, std::span<std::uint8_t> out);
 
 /// Converts the picture to 8-bit sRGB with straight (not premultiplied) alpha, for transparent backgrounds.
 /// Clamps and rounds as to_srgb8(). O(pixels), thread-safe.
 [[nodiscard]] std::vector<std::uint8_t> to_srgba8(const Picture& picture);
-/// The same of pixels as Picture::rgba has them. Writes rgba.size() bytes from `out` on, allocates nothing.
+/// The same of pixels as Picture::rgba has them, for viewers: a new buffer costs page faults in every frame.
+/// Writes rgba.size() bytes from `out` on.
 void to_srgba8(std::span<const float> rgba, std::uint8_t* out);
 
 }  // namespace splatlas

@@ -24,7 +24,7 @@ void paint_behind(Picture& picture, Rgb top, Rgb bottom) {
     const Rgb color = mix(top, bottom, share);
     const std::array<float, 3> behind{srgb_to_linear(color.r), srgb_to_linear(color.g),
                                       srgb_to_linear(color.b)};
-    float* const row = &picture.rgba[4 * static_cast<std::size_t>(y) * static_cast<std::size_t>(width)];
+    float* const row = &picture.rgba[4 * picture.size.pixel(0, y)];
     for (std::size_t x = 0; x < static_cast<std::size_t>(width); ++x) {
       float* const pixel = row + 4 * x;
       for (std::size_t c = 0; c < 3; ++c) pixel[c] += (1 - pixel[3]) * behind[c];

@@ -81,21 +81,6 @@ TEST(Picture, FilesWithAlphaHoldStraightColors) {
   EXPECT_EQ(bytes[12], 255);  // colour above opacity is clamped, not wrapped
 }
 
-TEST(Picture, FillsABufferOfItsSizeOnly) {
-  const Picture picture = picture_of({{0.1f, 0.2f, 0.4f, 0.4f}, {0, 0, 0, 0}, {0.5f, 1, 0, 1}});
-  const Rgb background{10, 120, 250};
-  std::vector<std::uint8_t> rgb(9, 77);
-  ASSERT_TRUE(to_srgb8(picture, background, rgb));
-  EXPECT_EQ(rgb, to_srgb8(picture, background));
-  for (const std::size_t bytes : {0u, 8u, 10u, 13u}) {
-    std::vector<std::uint8_t> other(bytes, 77);
-    EXPECT_THAT(to_srgb8(picture, background, other),
-                FailsWith(ErrorCode::kUsage, testing::HasSubstr("pixels take 9")));
-    EXPECT_EQ(other, std::vector<std::uint8_t>(bytes, 77));
-  }
-  EXPECT_TRUE(to_srgb8(Picture{}, background, {}));
-}
-
 TEST(Picture, OpacitiesWithoutAFiniteReciprocalKeepTheirColors) {
   const float min = std::numeric_limits<float>::denorm_min();
   const std::vector<std::uint8_t> bytes =

@@ -69,7 +69,7 @@ class RowDarkener {
     }
 
     // Darken the foreground
-    float* row_rgba = &picture_.rgba[4 * static_cast<std::size_t>(row) * static_cast<std::size_t>(width)];
+    float* row_rgba = &picture_.rgba[4 * picture_.size.pixel(0, row)];
     for (int x = first_; x < last_; ++x) {
       if (here[x] == DepthMap::kBackground) continue;
       float* rgba = row_rgba + 4 * static_cast<std::ptrdiff_t>(x);
@@ -79,9 +79,7 @@ class RowDarkener {
   }
 
  private:
-  [[nodiscard]] const float* row_of(int row) const {
-    return &depths_.mm[static_cast<std::size_t>(row) * static_cast<std::size_t>(depths_.size.width)];
-  }
+  [[nodiscard]] const float* row_of(int row) const { return &depths_.mm[depths_.size.pixel(0, row)]; }
 
   void add_pair(const Pair& pair, int row) {
     const float* here = row_of(row);

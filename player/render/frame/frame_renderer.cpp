@@ -106,15 +106,13 @@ void add_face_depths(const FaceLayer& faces, const ShownFrame& frame, const View
                      ThreadPool& pool) {
   if (faces.empty()) return;
   const auto include = depth_merger(frame, view, depths);
-  const auto columns = static_cast<std::size_t>(depths.size.width);
   pool.for_each(static_cast<std::size_t>(depths.size.height), [&](std::size_t row) {
     const FaceLayer::Extent shown = faces.shown[row];
-    for (auto column = static_cast<std::size_t>(shown.first); column < static_cast<std::size_t>(shown.last);
-         ++column) {
-      const std::size_t pixel = row * columns + column;
+    for (std::int32_t column = shown.first; column < shown.last; ++column) {
+      const std::size_t pixel = depths.size.pixel(column, static_cast<int>(row));
       const RayFaces of_pixel = faces.at(pixel);
       const auto& [front, back] = of_pixel;
-      const double x = static_cast<double>(column) + 0.5, y = static_cast<double>(row) + 0.5;
+      const double x = column + 0.5, y = static_cast<double>(row) + 0.5;
       if (front.rgba[3] >= 0.5f) {
         include(pixel, x, y, front.depth);
       } else if ((1 - front.rgba[3]) * (1 - back.rgba[3]) <= 0.5f) {

@@ -167,14 +167,13 @@ void Rasterizer::for_each_sample(std::size_t tile_row, const RasterScene& scene,
   const PixelBox rows = bins_.box(first_tile);
   std::vector<std::size_t> edge_slots(bins_.columns());  // next slot of each tile
   for (std::int32_t y = rows.y_first; y <= rows.y_last; ++y) {
-    const std::size_t picture_row = static_cast<std::size_t>(y) * static_cast<std::size_t>(scene.size.width);
     for (std::size_t column = 0; column < bins_.columns(); ++column) {
       const std::size_t tile = first_tile + column;
       const PixelBox box = bins_.box(tile);
       auto slot = static_cast<std::size_t>(y - box.y_first) * TileRasterizer::kStride;
       for (std::int32_t x = box.x_first; x <= box.x_last; ++x, ++slot) {
         const bool is_inside = scene.region.contains(x, y);
-        const std::size_t pixel = picture_row + static_cast<std::size_t>(x);
+        const std::size_t pixel = scene.size.pixel(x, y);
         if (edges_.empty() || is_edge_[drawn.place(x, y)] == 0) {
           const std::span<const Fragment> fragments = centers_[tile].of_slot(slot);
           if (is_inside && !fragments.empty()) visit(pixel, SubPixel{}, fragments);

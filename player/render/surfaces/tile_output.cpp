@@ -39,9 +39,8 @@ void TileRasterizer::paint(std::vector<float>& rgba, std::vector<float>* depths)
   }
   if (depths != nullptr || !is_centers || scene_->faces == nullptr || layers_.has_faces()) return;
   for (std::int32_t y = tile_.y_first; y <= tile_.y_last; ++y)
-    scene_->faces->add_to_row(
-        static_cast<std::size_t>(y), tile_.x_first, tile_.x_last + 1,
-        &rgba[4 * static_cast<std::size_t>(y) * static_cast<std::size_t>(scene_->size.width)]);
+    scene_->faces->add_to_row(static_cast<std::size_t>(y), tile_.x_first, tile_.x_last + 1,
+                              &rgba[4 * scene_->size.pixel(0, y)]);
 }
 
 void TileRasterizer::paint_layers(std::vector<float>& rgba) {

@@ -1,4 +1,4 @@
-// A-buffer rasteriser of a tile (Carpenter 1984), with a depth buffer for opaque surfaces.
+// A-buffer rasteriser of a tile (Carpenter 1984), with depth buffers for opaque surfaces and ghosts.
 #pragma once
 
 #include <array>
@@ -89,7 +89,7 @@ class TileRasterizer {
   /// The triangle, or a part of it, that is being rasterised.
   struct Current {
     std::uint32_t surface = 0, triangle = 0;
-    bool hides = false;       ///< what is behind it: of an opaque surface, or of a hull
+    bool hides = false;       ///< what lies behind it; its surface is opaque or a ghost
     bool hides_back = false;  ///< clockwise triangles are behind counter-clockwise ones
     SurfaceClusters::Front front{};
     std::array<ScreenPoint, 3> points;
@@ -126,7 +126,7 @@ class TileRasterizer {
   /// A sample inside a triangle; `x`, `y` with integer pixel centres.
   void hit(const ScreenTriangle& t, const EdgeWalk::Edges& edges, double x, double y, std::uint32_t slot,
            Current& current);
-  /// Begins the hull of a ghost, and ends the one before: only its nearest crossings are layers.
+  /// Ends the current hull, whose nearest crossings become layers, and begins that of a ghost, if any.
   void change_hull(std::optional<std::uint32_t> ghost);
   [[nodiscard]] const float* hiding_of_pixels() const {
     return depth_.of_pixel.empty() ? depth_.of_slot.data() : depth_.of_pixel.data();
@@ -163,7 +163,7 @@ class TileRasterizer {
 template <typename Visit>
 void TileRasterizer::for_each_pixel(const Visit& visit) const {
   for (std::int32_t y = tile_.y_first; y <= tile_.y_last; ++y) {
-    const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(scene_->size.width);
+    const std::size_t row = scene_->size.pixel(0, y);
     auto in_tile = static_cast<std::uint32_t>(y - tile_.y_first) * kStride;
     for (std::int32_t x = tile_.x_first; x <= tile_.x_last; ++x, ++in_tile) {
       const std::uint32_t slot = slot_of_pixel_.empty() ? in_tile : slot_of_pixel_[in_tile];

@@ -16,8 +16,7 @@ PixelBox seen_pixels(const Picture& picture) {
   const auto [width, height] = picture.size;
   PixelBox box{width, -1, height, -1};
   for (std::int32_t y = 0; y < height; ++y) {
-    const float* const row =
-        &picture.rgba[4UL * static_cast<std::size_t>(y) * static_cast<std::size_t>(width)];
+    const float* const row = &picture.rgba[4 * picture.size.pixel(0, y)];
     std::int32_t first = 0, last = width - 1;
     while (first <= last && !(row[4 * first + 3] > 0)) ++first;
     while (first < last && !(row[4 * last + 3] > 0)) --last;
@@ -36,13 +35,11 @@ std::string call_answer(const PageAnswer& answer, const Picture& picture) {
                                             box.width(),   box.height()};
   std::string bytes(reinterpret_cast<const char*>(numbers.data()), sizeof numbers);
   std::size_t end = bytes.size() + answer.text.size();
-  bytes.reserve(end + 4 * box.pixels());
   bytes += answer.text;
   bytes.resize(end + 4 * box.pixels());
   const std::size_t row = 4UL * static_cast<std::size_t>(box.width());
-  const PixelBox whole = PixelBox::of(picture.size);
   for (std::int32_t y = box.y_first; y <= box.y_last; ++y, end += row)
-    to_srgba8(std::span(picture.rgba).subspan(4 * whole.place(box.x_first, y), row),
+    to_srgba8(std::span(picture.rgba).subspan(4 * picture.size.pixel(box.x_first, y), row),
               reinterpret_cast<std::uint8_t*>(&bytes[end]));
   return bytes;
 }

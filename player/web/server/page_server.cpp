@@ -9,7 +9,6 @@
 #include <exception>
 #include <map>
 #include <mutex>
-#include <span>
 #include <stop_token>
 #include <vector>
 

@@ -197,18 +197,18 @@ void put_in_front(const float* volume, int count, float* picture) {
 void warp_rows(const SheetImage& sheet, const Affine2& map, int samples, const WarpKernels& kernels,
                const PixelBox& region, bool painted, Picture& picture) {
   constexpr int kTileColumns = 64;
-  const int width = picture.size.width;
   std::vector<RowWarp> rows;
   rows.reserve(static_cast<std::size_t>(region.height()));
   // Support of a pixel's filter beyond bilinear interpolation, in sheet pixels
   const double margin = (samples > 1 ? longest_step(map) : 0) + (sheet.window.cubic ? 1 : 0);
   for (int row = region.y_first; row <= region.y_last; ++row)
-    rows.emplace_back(sheet, map, samples, margin, kernels, static_cast<double>(row) + 0.5, width);
+    rows.emplace_back(sheet, map, samples, margin, kernels, static_cast<double>(row) + 0.5,
+                      picture.size.width);
   for (int tile = region.x_first; tile <= region.x_last; tile += kTileColumns) {
     const int tile_end = std::min(tile + kTileColumns, region.x_last + 1);
     for (int row = region.y_first; row <= region.y_last; ++row) {
       const RowWarp& warp = rows[static_cast<std::size_t>(row - region.y_first)];
-      float* out = &picture.rgba[4 * static_cast<std::size_t>(row) * static_cast<std::size_t>(width)];
+      float* out = &picture.rgba[4 * picture.size.pixel(0, row)];
       const int from = std::clamp(warp.first(), tile, tile_end);
       const int to = std::clamp(warp.last(), from, tile_end);
       if (painted) {

@@ -244,7 +244,9 @@ TEST_F(PageServerTest, DrawsThePicturesOfTheRenderer) {
   EXPECT_TRUE(whole == std::string(expected.begin(), expected.end()));
   EXPECT_LT(drawn.pixels.size(), expected.size() / 4) << "the margin is left out";
 
-  EXPECT_EQ(call(0, R"({"call": "pick", "at": [120, 90]})").status, 0U);
+  const CallReply pick = call(0, R"({"call": "pick", "at": [120, 90]})");
+  EXPECT_EQ(pick.status, 0U);
+  EXPECT_EQ(pick.pixels, "");
   const Json names = Json::parse(
       call(0, R"({"call": "labels", "glyphs": {"2": 9999}, "dpi": 72, "background": "#ffffff"})").text);
   EXPECT_EQ(names.at("lines").size(), names.at("dots").size()) << "a rule";
@@ -256,6 +258,7 @@ TEST_F(PageServerTest, DrawsThePicturesOfTheRenderer) {
   EXPECT_EQ(group.at("texts")[0][0], "Spheres") << "a group has one label";
   EXPECT_EQ(call(1, R"({"call": "pick", "at": [120, 90]})").text, "null\n")
       << "each worker has a picture of its own";
+  EXPECT_EQ(call(1, R"({"call": "draw", "select": "", "size": [9, 9]})").pixels, std::string(4, '\0'));
   EXPECT_EQ(Json::parse(call(0, R"({"call": "info"})").text).at("structures").size(), atlas_->graph().size());
 }
 
