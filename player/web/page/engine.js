@@ -229,8 +229,8 @@ class Engine {
     }
     if (message.type === 'error') return this.#handlers.error(message.message);
     this.#restarts[n] = 0;
-    if (message.isFitted) this.#state = {...this.#state, camera: message.camera};
     const isDraft = message.quality === 'draft';
+    if (message.isFitted && !isDraft) this.#state = {...this.#state, camera: message.camera};  // drafts may fit coarse surfaces
     if (!isDraft) [this.#refined, this.#isLarge] = [this.#serial, n > 0 && message.heap > kLargeHeap];
     if (!isDraft || this.#refined !== this.#serial) this.#handlers.picture(message);
     if (message.isHasty) this.#draft(false);

@@ -231,7 +231,7 @@ class Page {
   }
 
   #takePicture(message) {
-    if (message.isFitted && !message.isOld && this.#stage.camera.fit) {
+    if (message.isFitted && !message.isOld) {
       const {azimuth, elevation} = this.#stage.camera;
       this.#stage.camera = {...message.camera, azimuth, elevation};
     }

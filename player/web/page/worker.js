@@ -131,12 +131,12 @@ function fail(error, serial, isFatal, of = '') {
 
 function drawPicture(request) {
   const begin = performance.now();
-  const {quality, isHasty} = request;
-  const isDraft = quality === 'draft';
-  const shrink = isHasty ? Math.max(kMinScale, kHastyScale * scale) : isDraft ? scale : 1;
+  const isDraft = request.quality === 'draft';
+  const shrink = request.isHasty ? Math.max(kMinScale, kHastyScale * scale) : isDraft ? scale : 1;
+  const isHasty = isDraft && shrink < scale;
   const picture = renderWithinMemory(request, shrink);
   if (isDraft && !isHasty && !picture.drawn) adapt(performance.now() - begin, request.budget);
-  return {type: 'picture', quality, isHasty, isFitted: Boolean(request.camera.fit), ...picture};
+  return {type: 'picture', quality: request.quality, isHasty, isFitted: Boolean(request.camera.fit), ...picture};
 }
 
 /** Many translucent surfaces may take more than the engine's memory: then a draft of full size. */

@@ -76,7 +76,9 @@ async function refinesAgain() {
   let due = null;
   class Worker {
     constructor() { workers.push(this); }
-    postMessage({type, quality, isHasty}) { if (type === 'draw') asked.push(isHasty ? 'hasty' : quality); }
+    postMessage({type, quality, isHasty, camera}) {
+      if (type === 'draw') asked.push((isHasty ? 'hasty' : quality) + (camera.fit ? ' fitted' : ''));
+    }
     terminate() { asked.push('ended'); }
   }
   const world = {
@@ -105,7 +107,13 @@ async function refinesAgain() {
   // A large refining worker ends once it rests; another one decodes the next state at once
   refiner.onmessage({data: {type: 'picture', serial: 2, quality: 'normal', heap: 1e9}});
   due();
-  engine.show({select: 'Brain', camera: {}});
-  assert.deepStrictEqual([workers.length, asked.slice(6)], [3, ['ended', 'draft', 'normal']]);
+  engine.show({select: 'Brain', camera: {fit: {}}});
+  assert.deepStrictEqual([workers.length, asked.slice(6)], [3, ['ended', 'draft fitted', 'normal fitted']]);
+
+  // A finished picture is fitted, too: drafts may fit coarse surfaces
+  workers[2].onmessage({data: {type: 'cancelled', serial: 3}});
+  drafts.onmessage({data: {type: 'picture', serial: 3, quality: 'draft', isFitted: true, camera: {}}});
+  due();
+  assert.deepStrictEqual(asked.slice(9), ['normal fitted']);
 }
 refinesAgain();
