@@ -78,7 +78,9 @@ SPLATLAS_WEB(splatlas_rest) void splatlas_rest() {
 
 /// The same as 8-bit sRGB with straight alpha, for ImageData. Null when out of memory.
 SPLATLAS_WEB(splatlas_pixels) const std::uint8_t* splatlas_pixels() try {
-  module().pixels = to_srgba8(module().engine.frame().picture);
+  const std::vector<float>& rgba = module().engine.frame().picture.rgba;
+  module().pixels.resize(rgba.size());
+  to_srgba8(rgba, module().pixels.data());
   return module().pixels.data();
 } catch (const std::exception&) {
   return nullptr;

@@ -107,8 +107,7 @@ Result<void> Rasterizer::draw_tiles(const RasterScene& scene, const RasterOption
       const PixelBox box = bins_.box(n);
       for (std::int32_t y = box.y_first; y <= box.y_last && !seen_.empty(); ++y)
         see_faces(scene, box.x_first, y, options.termination_threshold,
-                  std::span(seen_).subspan(scene.region.place(box.x_first, y),
-                                           static_cast<std::size_t>(box.width())));
+                  {&seen_[scene.region.place(box.x_first, y)], static_cast<std::size_t>(box.width())});
       return;
     }
     TileRasterizer& worker = worker_of_thread();

@@ -10,7 +10,7 @@
 const kMinScale = 0.25;
 const kScaleStep = 1 / 16;
 const kMaxGrowth = 1.25;
-const kHastyScale = 0.5;  // of a hasty draft, relative to others: it comes in half of the time
+const kHastyScale = 0.5;  // of the sides of a hasty draft, relative to others
 /** What answers each request, in the order of work; 'hover', 'label' and 'light' of the latest picture alone. */
 const kTasks = {
   draw: drawPicture,

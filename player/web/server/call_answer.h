@@ -9,9 +9,8 @@
 namespace splatlas {
 
 /// Six numbers of 32 bits: the status, the bytes of the text, and left, top, width and height of a part of
-/// the picture; the text; and the part's pixels in 8-bit sRGB with straight alpha. All other pixels are
-/// transparent. Without a picture the part has no pixels, of an empty one a single pixel. O(pixels),
-/// thread-safe.
+/// the picture; the text; and the part's pixels in 8-bit sRGB with straight alpha. Others are transparent.
+/// An empty picture has a part of one pixel, other answers none. O(pixels), thread-safe.
 [[nodiscard]] std::string call_answer(const PageAnswer& answer, const Picture& picture);
 
 }  // namespace splatlas
